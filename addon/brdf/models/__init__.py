@@ -1,0 +1,2 @@
+"""One file per family; importing this package fills the registry."""
+from . import blinn, phong  # noqa: F401

@@ -1,0 +1,122 @@
+"""Parameters of a model: declared once here, and sockets, panel, command line and tests derive from it."""
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+MIN_EXPONENT, MAX_EXPONENT = 1.0, 100000.0
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One input of a model.
+
+    `kind` is "float", "int", "bool", "enum" (an int with `items`), "color" (linear RGB) or "vector".
+    `evaluated` is False for what steers only the renderer's estimator and has no meaning for the formula.
+    """
+
+    id: str
+    label: str
+    kind: str
+    default: object
+    help: str
+    minimum: float = 0.0
+    maximum: float = 1.0
+    unit: str = ""
+    items: tuple = ()
+    evaluated: bool = True
+    logarithmic: bool = False
+
+    def check(self, value):
+        """Return `value` in the parameter's type. Raises ValueError that names the value and what is allowed."""
+        if self.kind in ("color", "vector"):
+            return self._check_triple(value)
+        if self.kind == "enum" and isinstance(value, str):
+            names = [item[0] for item in self.items]
+            if value not in names:
+                raise ValueError(f"{self.id}: {value!r} is not one of {', '.join(names)}")
+            return names.index(value)
+        try:
+            number = float(value)
+        except (TypeError, ValueError):
+            raise ValueError(f"{self.id}: expected a number, got {value!r}") from None
+        if not math.isfinite(number) or not self.minimum <= number <= self.maximum:
+            raise ValueError(f"{self.id}: {number:g} is outside {self.minimum:g} .. {self.maximum:g}")
+        if self.kind == "float":
+            return number
+        if number != int(number):
+            raise ValueError(f"{self.id}: expected a whole number, got {number:g}")
+        return bool(number) if self.kind == "bool" else int(number)
+
+    def clamp(self, value):
+        """`value`, a number or a triple of the parameter's type, held to the range; NaN becomes the default."""
+        if self.kind in ("color", "vector"):
+            held = [min(max(c, self.minimum), self.maximum) if c == c else d
+                    for c, d in zip(value, self.default, strict=True)]
+            return tuple(held)
+        return type(value)(min(max(value, self.minimum), self.maximum)) if value == value else self.default
+
+    def _check_triple(self, value):
+        try:
+            triple = np.asarray(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise ValueError(f"{self.id}: expected three numbers, got {value!r}") from None
+        if triple.ndim == 0 and self.kind == "color":
+            triple = np.full(3, float(triple))
+        if triple.shape != (3,):
+            raise ValueError(f"{self.id}: expected three numbers, got shape {triple.shape}")
+        if not np.isfinite(triple).all() or triple.min() < self.minimum or triple.max() > self.maximum:
+            raise ValueError(f"{self.id}: {triple.tolist()} is outside {self.minimum:g} .. {self.maximum:g}")
+        return tuple(triple.tolist())
+
+
+def exponent_of_roughness(roughness: float) -> float:
+    """Exponent n = 2/alpha^2 - 2 with alpha = roughness^2, clamped to the range of exponents.
+
+    Equates the half-vector power cos^n with a Beckmann lobe of width alpha (Walter et al. 2007, section 5.2).
+    """
+    alpha = max(float(roughness), 1e-4) ** 2
+    return min(max(2.0 / (alpha * alpha) - 2.0, MIN_EXPONENT), MAX_EXPONENT)
+
+
+def roughness_of_exponent(exponent: float) -> float:
+    """Roughness r with exponent_of_roughness(r) = exponent, 0..1."""
+    return (2.0 / (float(exponent) + 2.0)) ** 0.25
+
+
+SHAPE = (
+    Parameter("exponent", "Exponent", "float", 20.0, "Exponent n of the lobe: larger is sharper",
+              MIN_EXPONENT, MAX_EXPONENT, logarithmic=True),
+    Parameter("use_roughness", "Use Roughness", "bool", False, "Give the lobe's width by roughness, not by exponent"),
+    Parameter("roughness", "Roughness", "float", 0.55,
+              "Roughness r with alpha = r², n = 2/alpha² - 2, held to exponents from 1 to 100000"),
+)
+PUMPING = (
+    Parameter("pumps", "Pumps", "float", 1.0,
+              "How often the albedo is pumped up; fractions pump in part. 0 is the plain model", 0.0, 4.0),
+    Parameter("control", "Controlled", "bool", True,
+              "Keep the mirror image from getting brighter than what it mirrors (controlled pumping)"),
+)
+COLOUR = (
+    Parameter("base_color", "Color", "color", (1.0, 1.0, 1.0), "Reflectance at normal incidence, linear RGB", 0.0, 1.0),
+    Parameter("fresnel_type", "Fresnel", "enum", 0,
+              "How the colour changes with the angle between view and half vector", 0, 2,
+              items=(("constant", "Constant", "The same colour at every angle"),
+                     ("schlick", "Schlick", "From Color at normal incidence to Edge Color at grazing"),
+                     ("conductor", "Conductor", "Exact reflectance of a metal from its n and k"))),
+    Parameter("f90", "Edge Color", "color", (1.0, 1.0, 1.0), "Reflectance at grazing incidence (Schlick)", 0.0, 1.0),
+    Parameter("ior", "Refractive Index n", "color", (0.2, 0.92, 1.1), "Real part of the complex index (Conductor)",
+              0.0, 20.0),
+    Parameter("extinction", "Extinction k", "color", (3.9, 2.45, 2.14), "Imaginary part of the index (Conductor)",
+              0.0, 40.0),
+)
+ESTIMATOR = (
+    Parameter("shading_normal", "Normal", "vector", (0.0, 0.0, 0.0), "Shading normal; unlinked it is the surface's own",
+              -math.inf, math.inf, evaluated=False),
+    Parameter("samples", "Samples per Hit", "int", 4,
+              "Directions drawn at each hit for what the base lobes leave over: more is less noise and more time",
+              1, 8, evaluated=False),
+    Parameter("light_spread", "Light Spread", "float", 1.0,
+              "Width of the splat around each drawn direction; 0 is as narrow as can be: exact, and grainy",
+              0.0, 2.0, evaluated=False),
+)

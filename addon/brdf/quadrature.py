@@ -1,0 +1,86 @@
+"""Albedo integrals over the hemisphere: light angle by light angle, around each the azimuth.
+
+A correction term depends on the light through N·L alone, and every edge it has (max(a(L), a(V)) changing branch at
+N·L = N·V, control setting in) is a line of constant N·L. With the light's polar angle as the outer variable those
+edges are points of a one-dimensional integral, where intervals can end, and the inner integral over the azimuth sees
+the smooth lobe only.
+"""
+from dataclasses import dataclass
+
+import numpy as np
+
+_FLOOR = 1e-9  # of the lobe's peak: what lies beyond cannot change an albedo by 1e-8
+
+
+@dataclass(frozen=True)
+class Meridians:
+    """Nodes for several views: `light_cosine` (views, polar), the others (views, polar, azimuth).
+
+    `energy` is f_0 (N·L) times the node's solid angle, so that its sum is the albedo of f_0.
+    """
+
+    light_cosine: np.ndarray
+    view_dot_half: np.ndarray
+    energy: np.ndarray
+
+
+def _gauss(count):
+    """Gauss-Legendre nodes and weights on 0..1."""
+    x, w = np.polynomial.legendre.leggauss(count)
+    return 0.5 * (x + 1.0), 0.5 * w
+
+
+def _polar_nodes(lobe, exponent, theta, count, edges):
+    """Light angles (views, nodes) and weights, `count` on each interval between places where the integrand bends."""
+    reach, core = lobe.reach(exponent, _FLOOR), lobe.reach(exponent, 0.3)
+    low, high = np.maximum(theta - reach, 0.0), np.minimum(theta + reach, 0.5 * np.pi)
+    inside = [theta - core, theta, theta + core, 0.5 * np.pi - theta]
+    inside += [np.full_like(theta, np.arccos(edge)) for edge in edges]
+    ends = np.sort(np.clip(np.stack([low, *inside, high], axis=-1), low[:, None], high[:, None]), axis=-1)
+    # Flattening both ends of an interval (x = s^2 (3 - 2 s)) absorbs square roots there.
+    s, w = _gauss(count)
+    width = np.diff(ends, axis=-1)[..., None]
+    nodes = ends[..., :-1, None] + width * (s * s * (3.0 - 2.0 * s))
+    weights = width * (w * 6.0 * s * (1.0 - s))
+    return nodes.reshape(len(theta), -1), weights.reshape(len(theta), -1)
+
+
+def meridians(lobe, exponent: float, cos_theta, polar: int = 24, azimuthal: int = 40, edges=()) -> Meridians:
+    """Quadrature for the views at `cos_theta` (N,).
+
+    `polar` nodes lie on each interval of the light angle, `azimuthal` on half a turn around each; `edges` are light
+    cosines at which the correction term to come has an edge.
+    """
+    mu_view = np.atleast_1d(np.asarray(cos_theta, dtype=np.float64))
+    theta_view = np.arccos(np.clip(mu_view, 0.0, 1.0))
+    theta, theta_weight = _polar_nodes(lobe, exponent, theta_view, polar, edges)
+    mu_light = np.maximum(np.cos(theta), 0.0)
+
+    # phi = scale sinh(u) follows the lobe at every width: even near its axis, logarithmic in its tails.
+    scale, end = lobe.azimuths(theta_view[:, None], theta, exponent)
+    span = np.arcsinh(end / scale)
+    s, w = _gauss(azimuthal)
+    u = span[..., None] * s
+    phi = scale[..., None] * np.sinh(u)
+    phi_weight = 2.0 * scale[..., None] * np.cosh(u) * span[..., None] * w
+
+    cosines = mu_view[:, None] * mu_light
+    sines = np.sin(theta_view)[:, None] * np.sin(theta)
+    view_dot_light = cosines[..., None] - sines[..., None] * np.cos(phi)
+    value = lobe.value_of_angles(view_dot_light, mu_view[:, None, None], mu_light[..., None], exponent)
+    energy = value * phi_weight * (theta_weight * np.sin(theta) * mu_light)[..., None]
+    view_dot_half = np.sqrt(np.clip(0.5 * (1.0 + view_dot_light), 0.0, 1.0))
+    return Meridians(mu_light, view_dot_half, energy)
+
+
+def polar_energy(lobe, exponent: float, cos_theta, polar: int, azimuthal: int, edges=(), block: int = 24):
+    """`meridians` summed over the azimuth, (light_cosine, energy), both (views, polar), for many views at once.
+
+    Views are taken `block` by block, so that the arrays over the azimuth stay in the processor's cache.
+    """
+    parts = [
+        (nodes.light_cosine, nodes.energy.sum(axis=-1))
+        for start in range(0, len(cos_theta), block)
+        for nodes in [meridians(lobe, exponent, cos_theta[start : start + block], polar, azimuthal, edges)]
+    ]
+    return tuple(np.concatenate(arrays) for arrays in zip(*parts, strict=True))
