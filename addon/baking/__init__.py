@@ -1,0 +1,1 @@
+"""Computes, writes, reads and checks the albedo tables. Never imports bpy."""

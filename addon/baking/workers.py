@@ -1,0 +1,20 @@
+"""Jobs over several processes, in order."""
+import os
+from concurrent.futures import ProcessPoolExecutor
+
+
+def mapped(function, jobs, workers=None):
+    """Results of `function` over `jobs` in order, a generator: in `workers` processes (one a core), or here when 1.
+
+    Closing it, or an error, cancels what has not begun.
+    """
+    workers = workers or os.cpu_count() or 1
+    if workers == 1:
+        yield from map(function, jobs)
+        return
+    with ProcessPoolExecutor(workers) as pool:
+        try:
+            yield from pool.map(function, jobs, chunksize=4)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
