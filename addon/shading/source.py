@@ -1,0 +1,102 @@
+"""Assembles a model's shader: headers flattened, base lobes and albedo tables put in as arrays of numbers."""
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+
+from ..brdf import tables
+
+_OSL = Path(__file__).resolve().parents[2] / "osl"
+_INCLUDE = re.compile(r'^#include "([^"]+)"\n', re.MULTILINE)
+COMPILED, FILE = "compiled", "file"
+
+
+def shader_path(model) -> Path:
+    """The .osl file of a model."""
+    return _OSL / f"{model.id}.osl"
+
+
+def assemble(model, lut: str = COMPILED) -> str:
+    """OSL source of `model`, without includes.
+
+    `lut` is "compiled" (tables are numbers in the text) or "file" (tables are read by texture(); their paths are the
+    string parameters table_plain and table_controlled). Raises ValueError for another `lut`, brdf.TableError when a
+    table cannot be used, OSError when a source file is missing.
+    """
+    if lut not in (COMPILED, FILE):
+        raise ValueError(f"lut: {lut!r} is not one of {COMPILED}, {FILE}")
+    text = _flattened(shader_path(model), set())
+    return _definitions(model, lut) + text
+
+
+def _flattened(path: Path, seen: set) -> str:
+    """A file with each of its includes put in once, where it is first named."""
+
+    def inserted(match):
+        included = (path.parent / match[1]).resolve()
+        if included in seen:
+            return ""
+        seen.add(included)
+        return _flattened(included, seen)
+
+    return _INCLUDE.sub(inserted, path.read_text(encoding="utf-8"))
+
+
+def _definitions(model, lut) -> str:
+    """Macros that carry the numbers: DATA_PARAMETERS (array parameters with their values), axes and table names."""
+    lines, parameters = _base(model.lobe.id)
+    by_mode = {tables.TABLES[name].control: tables.TABLES[name] for name in model.tables}
+    for control, mode in ((False, "plain"), (True, "controlled")):
+        parameters.append(_table_parameter(by_mode.get(control), mode, lut))
+        lines.append(f"#define TABLE_{mode.upper()} table_{mode}")
+        if control in by_mode:
+            lines += _axes(by_mode[control], mode.upper(), lut)
+    if lut == FILE and model.tables:
+        lines.append("#define TABLE_FILE")
+    lines.append("#define DATA_PARAMETERS " + ", ".join(parameters))
+    return "\n".join(lines) + "\n"
+
+
+def _base(family):
+    """Macros and array parameters of the base lobes of a family, see addon/baking/base.py."""
+    base = json.loads((_OSL.parent / "luts" / "base_lobes.json").read_text(encoding="utf-8"))
+    own = base["families"][family]
+    ramps = [(r["lean"], r["sharp"], side, r["crease"], i) for i, r in enumerate(own["ramps"])
+             for side in ((-r["side"], r["side"]) if r["side"] else (0.0,))]
+    facets = [(f["lean"], f["sharp"]) for f in own["facets"]]
+    numbers = {"U": own["u_nodes"], "POWER": own["power"], "V": own["v_nodes"],
+               "FEATURES": len(base["features"]), "GRAZING": base["grazing"], "DRAWN": base["drawn"],
+               "SETS": len(own["ramps"]), "STRIDE": own["stride"], "LEVELS": 8 * len(own["ramps"]),
+               "RAMPS": len(ramps), "FACETS": len(facets), "FACET_ROOM": max(len(facets), 1),
+               "PLAIN": int(own["plain"])}
+    arrays = [_array("base_widths", base["features"]), _array("base_ramps", np.ravel(ramps)),
+              _array("base_facets", np.ravel(facets or [(0.0, 0.0)])), _vectors("base_table", own["table"])]
+    return [f"#define BASE_{name} {value}" for name, value in numbers.items()], arrays
+
+
+def _table_parameter(table, mode, lut):
+    if table is None:
+        return f"float table_{mode}[2] = {{0.0, 0.0}}"
+    if lut == FILE:
+        return f'string table_{mode} = "{table.path.as_posix()}"'
+    # Six digits keep a node within 5e-6, a quarter of what tables promise.
+    return _array(f"table_{mode}", tables.load(table).ravel())
+
+
+def _axes(table, mode, lut):
+    c, r = table.columns, table.rows
+    numbers = f"{c.columns}, {c.grazing}, {c.normal}, {r.rows}, {r.density}, {r.law}, {table.stamp!r}"
+    name = f"table_{mode.lower()}" if lut == FILE else f'"{table.name}"'
+    return [f"#define AXES_{mode} Axes({numbers})", f"#define TABLE_NAME_{mode} {name}"]
+
+
+def _array(name, values):
+    text = ",".join(f"{v:.6g}" for v in values)
+    return f"float {name}[{len(values)}] = {{{text}}}"
+
+
+def _vectors(name, values):
+    rows = np.reshape(values, (-1, 3))
+    text = ",".join(f"vector({x:.4g},{y:.4g},{z:.4g})" for x, y, z in rows)
+    return f"vector {name}[{len(rows)}] = {{{text}}}"

@@ -1,0 +1,52 @@
+// The local frame: x lies in the plane of incidence on the view's side, z is the shading normal. In it the view is
+// (sin, 0, cos). Everything is computed there; only closures are given world vectors.
+
+struct Frame {
+    vector x;
+    vector y;
+    vector z;
+    vector view;  // local
+};
+
+vector to_world(Frame f, vector v) { return v[0] * f.x + v[1] * f.y + v[2] * f.z; }
+
+// A shading normal whose mirror direction goes into the surface is bent until it just does not. Cycles does so to every
+// glossy closure by itself; doing it once, before anything is weighed, keeps base and splats consistent.
+normal valid_normal(normal shading, normal geometric, vector view)
+{
+    float lowest = min(0.9 * dot(geometric, view), 0.01);
+    vector mirrored = 2.0 * dot(shading, view) * shading - view;
+    float height = dot(mirrored, geometric);
+    if (height >= lowest)
+        return shading;
+    mirrored = normalize(mirrored + 1.01 * (lowest - height) * geometric);
+    return normalize(mirrored + view);
+}
+
+Frame make_frame(normal shading, normal geometric, vector view)
+{
+    Frame f;
+    f.z = valid_normal(shading, geometric, view);
+    float mu = dot(f.z, view);
+    vector across = view - mu * f.z;
+    // At normal incidence any tangent will do.
+    if (dot(across, across) < 1e-12)
+        across = abs(f.z[0]) > 0.7 ? cross(f.z, vector(0.0, 1.0, 0.0)) : cross(f.z, vector(1.0, 0.0, 0.0));
+    f.x = normalize(across);
+    f.y = cross(f.z, f.x);
+    mu = clamp(mu, 0.0, 1.0);
+    f.view = vector(sqrt(1.0 - mu * mu), 0.0, mu);
+    return f;
+}
+
+// A direction at the angle acos(cos_delta) from a unit axis, at the azimuth phi (Duff et al. 2017).
+vector around(vector axis, float cos_delta, float phi)
+{
+    float s = axis[2] >= 0.0 ? 1.0 : -1.0;
+    float a = -1.0 / (s + axis[2]);
+    float b = axis[0] * axis[1] * a;
+    float sin_delta = sqrt(max(0.0, 1.0 - cos_delta * cos_delta));
+    return sin_delta * cos(phi) * vector(1.0 + s * axis[0] * axis[0] * a, s * b, -s * axis[0])
+         + sin_delta * sin(phi) * vector(b, s + axis[1] * axis[1] * a, -axis[1])
+         + cos_delta * axis;
+}

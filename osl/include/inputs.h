@@ -1,0 +1,40 @@
+// From the sockets to what the estimator takes: every input is held to its range, so that no value, however driven,
+// renders a NaN.
+
+float exponent_of_roughness(float roughness)
+{
+    float alpha = max(roughness, 1e-4) * max(roughness, 1e-4);
+    return 2.0 / (alpha * alpha) - 2.0;
+}
+
+Hit input_hit(float exponent, int use_roughness, float roughness, normal shading, normal surface, normal geometric,
+              vector view)
+{
+    float n = use_roughness ? exponent_of_roughness(roughness) : exponent;
+    // Unlinked, the socket holds zeros: the surface's own normal.
+    normal shading_normal = dot(shading, shading) > 1e-8 ? normalize(shading) : surface;
+    return make_hit(make_frame(shading_normal, geometric, view), clamp(n, 1.0, 100000.0));
+}
+
+Colour input_colour(int choice, color f0, color f90, color n, color k)
+{
+    Colour c;
+    c.choice = clamp(choice, 0, 2);
+    c.f0 = clamp(f0, color(0.0), color(1.0));
+    c.f90 = clamp(f90, color(0.0), color(1.0));
+    c.n = clamp(n, color(1e-3), color(20.0));
+    c.k = clamp(k, color(0.0), color(40.0));
+    return c;
+}
+
+// What a hit shows when its table cannot be used: magenta and black stripes, and a message. Not emission: a shader that
+// could emit makes Cycles sample the whole mesh as a lamp, at the cost of all the others.
+closure color broken_table(string file)
+{
+    warning("Plausible BRDF: albedo table %s is missing, stale or unreadable; bake it or choose its file\n", file);
+    color stripe = mod(floor(8.0 * (P[0] + P[1] + P[2])), 2.0) < 1.0 ? color(1.0, 0.0, 1.0) : color(0.0);
+    return stripe * diffuse(N);
+}
+
+// What is no number is the default.
+float input_spread(float light_spread) { return isnan(light_spread) ? 1.0 : clamp(light_spread, 0.0, 2.0); }

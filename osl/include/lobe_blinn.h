@@ -1,0 +1,32 @@
+// The half-vector lobe f_0 = (n+8)/(8 pi) (N.H)^n: see HalfVectorLobe in addon/brdf/lobes.py.
+
+float lobe_value(vector view, vector light, float n)
+{
+    vector h = normalize(view + light);
+    return (n + 8.0) / (4.0 * M_2PI) * pow(max(h[2], 0.0), n);
+}
+
+float lobe_density(vector view, vector light, float n)
+{
+    vector h = normalize(view + light);
+    return (n + 1.0) / M_2PI * pow(max(h[2], 0.0), n) / (4.0 * max(dot(view, h), 1e-6));
+}
+
+vector lobe_draw(vector view, float u, float v, float n)
+{
+    vector h = around(vector(0.0, 0.0, 1.0), pow(max(u, 1e-7), 1.0 / (n + 1.0)), M_2PI * v);
+    return 2.0 * dot(view, h) * h - view;
+}
+
+// Exponent of the Phong lobe that is as wide, which scales the base lobes.
+float lobe_phong_exponent(float n) { return 0.25 * n; }
+
+// Angle from the mirror direction at which the lobe has fallen to 1e-4 of its peak.
+float lobe_reach(float n) { return min(2.0 * acos(pow(1e-4, 1.0 / n)), M_PI); }
+
+// Width of the lobe where it is narrowest, in radians: across the plane of incidence it shrinks with N.V.
+float lobe_width(float mu_view, float n)
+{
+    float scale = 2.0 / sqrt(n);
+    return scale * min(mu_view + 0.15 * scale, 1.0);
+}

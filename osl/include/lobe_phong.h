@@ -1,0 +1,27 @@
+// The Phong lobe f_0 = (n+2)/(2 pi) max(R.L, 0)^n: see PhongLobe in addon/brdf/lobes.py.
+
+vector mirror_of(vector view) { return vector(-view[0], -view[1], view[2]); }
+
+float lobe_value(vector view, vector light, float n)
+{
+    return (n + 2.0) / M_2PI * pow(max(dot(mirror_of(view), light), 0.0), n);
+}
+
+float lobe_density(vector view, vector light, float n)
+{
+    return (n + 1.0) / M_2PI * pow(max(dot(mirror_of(view), light), 0.0), n);
+}
+
+vector lobe_draw(vector view, float u, float v, float n)
+{
+    return around(mirror_of(view), pow(max(u, 1e-7), 1.0 / (n + 1.0)), M_2PI * v);
+}
+
+// Exponent of the Phong lobe that is as wide, which scales the base lobes.
+float lobe_phong_exponent(float n) { return n; }
+
+// Angle from the mirror direction at which the lobe has fallen to 1e-4 of its peak.
+float lobe_reach(float n) { return acos(pow(1e-4, 1.0 / n)); }
+
+// Width of the lobe where it is narrowest, in radians.
+float lobe_width(float mu_view, float n) { return 1.0 / sqrt(n); }

@@ -1,0 +1,127 @@
+// Reading an albedo table; addon/brdf/axes.py explains the axes, addon/brdf/tables.py the image.
+//
+// The table comes in two ways with the same result: as an array of numbers compiled into the shader (TABLE is a float
+// array), or, where TABLE_FILE is defined, from the image file through texture() (TABLE is its name). Both blend
+// between the same texels with the same weights.
+
+#ifdef TABLE_FILE
+#define TABLE(name) string name
+#else
+#define TABLE(name) float name[]
+#endif
+
+struct Axes {
+    int columns;
+    float grazing;
+    float facing;
+    int rows;
+    float density;
+    float law;
+    float stamp;
+};
+
+// What a hit needs to know of a table: its row (it has one exponent) and the scales of the columns there.
+struct Row {
+    Axes axes;
+    int row;
+    float blend;
+    float k;
+    float span;
+    int flipped;  // texture() counts rows from the bottom
+    int valid;
+};
+
+float asinh_positive(float x) { return log(x + sqrt(x * x + 1.0)); }
+float sinh_of(float x) { float e = exp(x); return 0.5 * (e - 1.0 / e); }
+
+Row table_row(Axes axes, float exponent)
+{
+    Row r;
+    r.axes = axes;
+    float step = (1.0 - pow(100000.0, -axes.density)) / (axes.rows - 1);
+    r.row = min((int)((1.0 - pow(exponent, -axes.density)) / step), axes.rows - 2);
+    float low = pow(1.0 - r.row * step, axes.law / axes.density);
+    float high = pow(1.0 - (r.row + 1) * step, axes.law / axes.density);
+    r.blend = clamp((pow(exponent, -axes.law) - low) / (high - low), 0.0, 1.0);
+    r.k = axes.grazing * sqrt(exponent);
+    r.span = asinh_positive(r.k * (axes.facing > 0.0 ? axes.facing * sqrt(exponent) : 1.0));
+    r.flipped = 0;
+    r.valid = 1;
+    return r;
+}
+
+float column_cosine(Row r, int i)
+{
+    if (i >= r.axes.columns - 1)
+        return 1.0;
+    if (r.axes.facing == 0.0)
+        return sinh_of(i * r.span / (r.axes.columns - 1)) / r.k;
+    float z = sinh_of(i * r.span / (r.axes.columns - 2)) / r.k;
+    return z / sqrt(1.0 + z * z);
+}
+
+float column_law(Row r, float mu) { return r.axes.facing > 0.0 ? mu * (mu + 1.0 / r.k) : mu; }
+
+// Column number of a cosine: the cell's index plus how far into it the reading is.
+float column_position(Row r, float mu)
+{
+    float t;
+    if (r.axes.facing == 0.0)
+        t = asinh_positive(r.k * mu) / r.span * (r.axes.columns - 1);
+    else
+        t = min(asinh_positive(r.k * mu / sqrt(max(1.0 - mu * mu, 1e-14))) / r.span, 1.0) * (r.axes.columns - 2);
+    int i = min((int)t, r.axes.columns - 2);
+    float low = column_law(r, column_cosine(r, i));
+    float high = column_law(r, column_cosine(r, i + 1));
+    return i + clamp((column_law(r, mu) - low) / (high - low), 0.0, 1.0);
+}
+
+#ifdef TABLE_FILE
+
+// Blender 5.2 ignores every optional argument of texture() but alpha, and clamps to black: coordinates stay inside.
+void texel(string file, float s, float t, output float a[4])
+{
+    float alpha = 0.0;
+    color rgb = texture(file, s, t, "alpha", alpha, "wrap", "clamp", "interp", "linear");
+    a[0] = rgb[0];
+    a[1] = rgb[1];
+    a[2] = rgb[2];
+    a[3] = alpha;
+}
+
+// The marker row at the top tells a valid table from a missing, stale or foreign image, and which way up it is read.
+void table_check(string file, output Row r)
+{
+    float height = r.axes.rows + 2;
+    float marker[4];
+    texel(file, 0.5, 0.5 / height, marker);
+    r.valid = abs(marker[0] + 1.0) < 1e-3 && abs(marker[1] - r.axes.stamp) < 5e-6 && abs(marker[3] - 1.0) < 1e-3;
+    r.flipped = marker[2] > 0.5;
+}
+
+void table_read(string file, Row r, float mu, int channels, output float a[4])
+{
+    float height = r.axes.rows + 2;
+    float t = (r.row + r.blend + 1.5) / height;
+    texel(file, (column_position(r, mu) + 0.5) / r.axes.columns, r.flipped ? 1.0 - t : t, a);
+}
+
+#else
+
+void table_check(float table[], output Row r) { r.valid = 1; }
+
+void table_read(float table[], Row r, float mu, int channels, output float a[4])
+{
+    float x = column_position(r, mu);
+    int i = min((int)x, r.axes.columns - 2);
+    float across = x - i;
+    int at = 4 * (r.row * r.axes.columns + i);
+    int below = at + 4 * r.axes.columns;
+    for (int c = 0; c < channels; c += 1) {
+        float top = mix(table[at + c], table[at + 4 + c], across);
+        float bottom = mix(table[below + c], table[below + 4 + c], across);
+        a[c] = mix(top, bottom, r.blend);
+    }
+}
+
+#endif
