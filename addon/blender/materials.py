@@ -1,0 +1,164 @@
+"""Materials: a Script node for Cycles, a Principled stand-in for EEVEE, and the viewport colour for Workbench."""
+import bpy
+
+from .. import brdf
+from ..brdf import fresnel
+from ..shading import source
+from . import osl
+
+CYCLES_OUTPUT, STAND_IN, STAND_IN_OUTPUT = "Cycles Output", "Stand-in for EEVEE", "EEVEE Output"
+
+
+def create_material(model_id: str, name: str | None = None, lut: str = source.COMPILED, **parameters):
+    """A new material that renders `model_id` in Cycles as it stands, also after save, move and reload.
+
+    `parameters` are the model's own, by socket identifier (see `brdf.MODELS[model_id].parameters`); `lut` is
+    "compiled" (the albedo tables travel in the material) or "file" (they are read from their image files).
+    OSL must be switched on in the scene that renders it: see `use_osl`.
+
+    Raises ValueError for an unknown model or parameter and for a value out of range, brdf.TableError when an albedo
+    table is missing, stale or damaged, osl.OslError when this Blender has no OSL.
+    """
+    if model_id not in brdf.MODELS:
+        raise ValueError(f"no model {model_id!r}; there are {', '.join(brdf.MODELS)}")
+    model = brdf.MODELS[model_id]
+    model.resolve(parameters)
+    osl.compile_model(model, lut)  # before anything is made: a failure leaves no half material behind
+    material = bpy.data.materials.new(name or model.label)
+    if material.node_tree is None:  # 5.x materials are born with one, and warn when asked for it
+        material.use_nodes = True
+    material.node_tree.nodes.clear()
+    node = _build_tree(material.node_tree, model, lut)
+    if "roughness" in parameters:
+        parameters = {"use_roughness": True, **parameters}
+    for key, value in parameters.items():
+        _write(node, model.parameter(key), value)
+    update_stand_in(material)
+    return material
+
+
+def _build_tree(tree, model, lut):
+    node = osl.add_script_node(tree, model, lut)
+    node.location = (-260.0, 300.0)
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    output.name = output.label = CYCLES_OUTPUT
+    output.target, output.location = "CYCLES", (40.0, 300.0)
+    tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
+    stand_in = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    stand_in.name = stand_in.label = STAND_IN
+    stand_in.location = (-260.0, -180.0)
+    other = tree.nodes.new("ShaderNodeOutputMaterial")
+    other.name = other.label = STAND_IN_OUTPUT
+    other.target, other.location = "EEVEE", (40.0, -180.0)
+    tree.links.new(stand_in.outputs["BSDF"], other.inputs["Surface"])
+    return node
+
+
+def script_node(material):
+    """The Script node of ours in a material, or None."""
+    if material is None or material.node_tree is None:
+        return None
+    for node in material.node_tree.nodes:
+        if model_of(node) is not None:
+            return node
+    return None
+
+
+def model_of(node):
+    """The model that a node carries, or None when it is not ours or of an unknown model."""
+    if node.bl_idname != "ShaderNodeScript":
+        return None
+    return brdf.MODELS.get(node.get(osl.MODEL_KEY))
+
+
+def socket_of(node, parameter):
+    """The socket of a parameter, or None where the node lacks it."""
+    return next((s for s in node.inputs if s.identifier == parameter.id), None)
+
+
+def get_value(node, parameter):
+    """Value of a parameter as its socket holds it: a number, or a tuple of three."""
+    value = socket_of(node, parameter).default_value
+    return tuple(value)[:3] if parameter.kind in ("color", "vector") else value
+
+
+def set_value(node, parameter, value):
+    """Write a parameter's socket and bring the stand-in up to date. Raises ValueError for a value out of range."""
+    _write(node, parameter, value)
+    material = next((m for m in bpy.data.materials if m.node_tree == node.id_data), None)
+    if material is not None:  # inside a group there is no one stand-in
+        update_stand_in(material)
+
+
+def _write(node, parameter, value):
+    value = parameter.check(value)
+    socket_of(node, parameter).default_value = (*value, 1.0) if parameter.kind == "color" else value
+
+
+def values(node) -> dict:
+    """All values of a node that the formula takes, by parameter id, held to their ranges as the shader holds them.
+
+    A socket takes any number in the node editor, so what it holds may be out of range.
+    """
+    return {p.id: p.clamp(get_value(node, p)) for p in model_of(node).parameters if p.evaluated}
+
+
+def update_stand_in(material):
+    """Give EEVEE's Principled stand-in and the viewport the look that comes nearest: a metal of this colour."""
+    node = script_node(material)
+    if node is None:
+        return
+    model = model_of(node)
+    p = model.resolve(values(node))
+    colour = fresnel.factor(p["fresnel_type"], [1.0], p["base_color"], p["f90"], p["ior"], p["extinction"])[0]
+    colour = [float(min(max(c, 0.0), 1.0)) for c in colour]
+    # A half-vector power of n looks like a Beckmann lobe; a Phong power like a half-vector power of 4 n.
+    exponent = p["exponent"] * (4.0 if model.lobe.id == "phong" else 1.0)
+    roughness = brdf.roughness_of_exponent(exponent)
+    principled = material.node_tree.nodes.get(STAND_IN)
+    if principled is not None:
+        principled.inputs["Base Color"].default_value = (*colour, 1.0)
+        principled.inputs["Metallic"].default_value = 1.0
+        principled.inputs["Roughness"].default_value = roughness
+    material.diffuse_color = (*colour, 1.0)
+    material.metallic, material.roughness = 1.0, roughness
+
+
+def rebuild(material):
+    """Compile a material's shader anew, with the tables of today; values and links stay."""
+    node = script_node(material)
+    if node is None:
+        raise ValueError(f"{material.name!r} has no Plausible BRDF node")
+    osl.load(node, model_of(node), node.get(osl.LUT_KEY, source.COMPILED))
+
+
+def change_model(material, model_id: str):
+    """Turn a material into another model; the values and links of the parameters that both have stay."""
+    old = script_node(material)
+    if old is None:
+        raise ValueError(f"{material.name!r} has no Plausible BRDF node")
+    if model_id not in brdf.MODELS:
+        raise ValueError(f"no model {model_id!r}; there are {', '.join(brdf.MODELS)}")
+    tree, model = material.node_tree, brdf.MODELS[model_id]
+    new = osl.add_script_node(tree, model, old.get(osl.LUT_KEY, source.COMPILED))
+    new.location = old.location
+    for parameter in model.parameters:
+        source_socket = socket_of(old, parameter)
+        if source_socket is None:
+            continue
+        socket_of(new, parameter).default_value = source_socket.default_value
+        for link in list(source_socket.links):
+            tree.links.new(link.from_socket, socket_of(new, parameter))
+    for link in list(old.outputs["BSDF"].links):
+        tree.links.new(new.outputs["BSDF"], link.to_socket)
+    name = old.name
+    tree.nodes.remove(old)
+    new.name = name
+    update_stand_in(material)
+
+
+def use_osl(scene) -> bool:
+    """Switch Open Shading Language on in a scene; returns whether it had been off."""
+    was_off = not scene.cycles.shading_system
+    scene.cycles.shading_system = True
+    return was_off

@@ -1,0 +1,102 @@
+"""OSL in Blender: whether this build has it, compiling a model's shader, and the Script node that carries it."""
+import hashlib
+import re
+import tempfile
+from pathlib import Path
+
+import bpy
+
+from ..shading import source
+
+MODEL_KEY = "plausible_model"
+LUT_KEY = "plausible_lut"
+SOCKETS = {"float": "NodeSocketFloat", "int": "NodeSocketInt", "enum": "NodeSocketInt", "bool": "NodeSocketBool",
+           "color": "NodeSocketColor", "vector": "NodeSocketVector"}
+_compiled = {}
+
+
+class OslError(RuntimeError):
+    """This Blender cannot run the shaders; the message says why and what to do."""
+
+
+def unavailable() -> str | None:
+    """Why this Blender cannot run OSL, or None when it can."""
+    try:
+        import _cycles
+    except ImportError:
+        return "This Blender was built without Cycles; Plausible BRDF renders in Cycles only"
+    if not getattr(_cycles, "with_osl", False):
+        return "This Blender was built without Open Shading Language; install the official build from blender.org"
+    return None
+
+
+def compile_model(model, lut: str = source.COMPILED) -> str:
+    """Bytecode of a model's shader. Raises OslError when it cannot be compiled, brdf.TableError for a bad table."""
+    reason = unavailable()
+    if reason:
+        raise OslError(reason)
+    text = source.assemble(model, lut)
+    key = hashlib.md5(text.encode()).hexdigest()
+    if key not in _compiled:
+        _compiled[key] = _compile(model, text)
+    return _compiled[key]
+
+
+def _compile(model, text):
+    import _cycles
+
+    with tempfile.TemporaryDirectory(prefix="plausible_") as folder:
+        osl, oso = Path(folder) / f"{model.id}.osl", Path(folder) / f"{model.id}.oso"
+        osl.write_text(text, encoding="utf-8")
+        if not _cycles.osl_compile(str(osl), str(oso)) or not oso.exists():
+            raise OslError(f"the shader of {model.label} did not compile; the console tells why")
+        return _without_places(oso.read_text(encoding="utf-8"))
+
+
+def _without_places(bytecode):
+    """Bytecode without comments and file names: they tell where it was compiled, and go into everyone's .blend."""
+    lines = [line for line in bytecode.splitlines() if not line.startswith("#")]
+    return re.sub(r'\s%(?:filename|line)\{[^}]*\}', "", "\n".join(lines)) + "\n"
+
+
+def add_script_node(tree, model, lut: str = source.COMPILED):
+    """Add a Script node that holds the compiled model, its sockets made from the registry, to a node tree.
+
+    The sockets are made here, not by Blender: what Blender does to make them differs with version and build.
+    """
+    node = tree.nodes.new("ShaderNodeScript")
+    node.label, node.width = model.label, 220.0
+    node[MODEL_KEY] = model.id
+    load(node, model, lut)
+    for parameter in model.parameters:
+        socket = node.inputs.new(SOCKETS[parameter.kind], parameter.label, identifier=parameter.id)
+        socket.default_value = (*parameter.default, 1.0) if parameter.kind == "color" else parameter.default
+        if hasattr(socket, "description"):
+            socket.description = parameter.help
+        # A normal of zeros means the surface's own; it is linked or nothing.
+        socket.hide_value = parameter.kind == "vector"
+    if lut == source.FILE:
+        for name in model.tables:
+            table = source.tables.TABLES[name]
+            mode = "controlled" if table.control else "plain"
+            socket = node.inputs.new("NodeSocketString", f"Table ({mode})", identifier=f"table_{mode}")
+            socket.default_value = str(table.path)
+    node.outputs.new("NodeSocketShader", "BSDF", identifier="BSDF")
+    return node
+
+
+def load(node, model, lut: str = source.COMPILED):
+    """Put freshly compiled bytecode into a Script node; its sockets, values and links stay."""
+    bytecode = compile_model(model, lut)
+    node.mode = "INTERNAL"
+    node.bytecode = bytecode
+    node.bytecode_hash = hashlib.md5(bytecode.encode()).hexdigest()
+    node[LUT_KEY] = lut
+
+
+def supports_osl(scene) -> bool:
+    """Whether the scene renders OSL on its device: always on the CPU, on a GPU only with OptiX."""
+    if scene.cycles.device != "GPU":
+        return True
+    addon = bpy.context.preferences.addons.get("cycles")
+    return addon is not None and addon.preferences.compute_device_type in ("NONE", "OPTIX")

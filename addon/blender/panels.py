@@ -1,0 +1,233 @@
+"""The panel, in the material tab and in the shader editor's sidebar."""
+import textwrap
+
+import bpy
+
+from ..brdf.parameters import COLOUR
+from . import luts, operators, status
+from .materials import socket_of
+from .operators import material_of, plausible_node
+from .properties import NAMES
+
+_COLOUR_IDS = {parameter.id for parameter in COLOUR}
+_METAL_IDS = {"base_color", "ior", "extinction"}
+# A parameter that only one choice of Fresnel reads is shown with that choice only.
+_ONLY_WITH = {"f90": ("schlick",), "ior": ("conductor",), "extinction": ("conductor",),
+              "base_color": ("constant", "schlick")}
+
+
+def draw_text(layout, context, text, icon="NONE"):
+    """Labels that show all of `text`, broken to the width of the region; the icon stands before the first."""
+    scale = context.preferences.system.ui_scale
+    # About 6.5 pixels a letter, and 70 for margins and icon.
+    width = max(20, int((context.region.width / scale - 70) / 6.5))
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for line in textwrap.wrap(text, width):
+        column.label(text=line, icon=icon)
+        icon = "BLANK1" if icon != "NONE" else "NONE"
+
+
+def draw_notice(layout, context, notice):
+    """A message in a box, with the button that mends it."""
+    box = layout.box()
+    draw_text(box, context, notice.text, notice.icon)
+    if notice.operator == "plausible.bake_luts":
+        draw_bake(box)
+    elif notice.operator:
+        button = box.operator(notice.operator, text=notice.label)
+        for name, value in notice.settings.items():
+            setattr(button, name, value)
+
+
+def draw_bake(layout):
+    """The bake's progress with a button to cancel it; without a bake, the button that begins one."""
+    if luts.job is None or not luts.job.running:
+        layout.operator("plausible.bake_luts", icon="RENDER_STILL")
+        return
+    row = layout.row(align=True)
+    row.progress(factor=luts.job.share, text=operators.progress_text(luts.job))
+    row.operator("plausible.cancel_bake", text="", icon="X")
+
+
+def draw_parameter(layout, material, node, parameter):
+    """One parameter: its slider, or, where its socket has a link, what it is driven by."""
+    source = socket_of(node, parameter)
+    if source is None:
+        return
+    values, name = material.plausible_brdf, NAMES[parameter]
+    if source.is_linked:
+        _draw_link(layout, parameter.label, source.links[0].from_node)
+    elif parameter.kind == "color" and parameter.maximum > 1.0:
+        column = layout.column(align=True)
+        column.prop(values, name, index=0, text=f"{parameter.label}  R")
+        column.prop(values, name, index=1, text="G")
+        column.prop(values, name, index=2, text="B")
+    elif parameter.kind != "vector":  # three numbers tell nobody a direction: a vector is for links
+        layout.prop(values, name, text=parameter.label)
+
+
+def _draw_link(layout, label, node):
+    split = layout.split(factor=0.4)
+    split.enabled = False
+    name = split.row()
+    name.alignment = "RIGHT"
+    name.label(text=label)
+    split.label(text=node.label or node.name, icon="LINKED")
+
+
+class _Face:
+    """What the panels of both places have in common."""
+
+    @classmethod
+    def poll(cls, context):
+        return cls.is_here(context) and plausible_node(material_of(context))[1] is not None
+
+    def begin(self, context):
+        """(layout, material, node, model), the layout set up like Blender's own material panels."""
+        material = material_of(context)
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False  # the values are the node's sockets, and keyframes belong there
+        layout.enabled = material is None or material.is_editable
+        return (layout, material, *plausible_node(material))
+
+
+class _Main(_Face):
+    bl_label = "Plausible BRDF"
+
+    @classmethod
+    def poll(cls, context):
+        return cls.is_here(context)
+
+    def draw(self, context):
+        layout, material, _, model = self.begin(context)
+        for notice in status.notices(context, model):
+            draw_notice(layout, context, notice)
+        if model is None:
+            layout.operator("plausible.new_material", icon="ADD")
+            return
+        row = layout.row(align=True)
+        row.prop(material.plausible_brdf, "model")
+        row.operator("plausible.new_material", text="", icon="ADD").model = model.id
+        if status.osl_is_on(context.scene):
+            note = layout.row()
+            note.active = False
+            draw_text(note, context, "Open Shading Language is on for this scene", "INFO")
+
+
+class _Lobe(_Face):
+    bl_label = "Lobe"
+
+    def draw(self, context):
+        layout, material, node, model = self.begin(context)
+        shown = [p for p in model.parameters if p.evaluated and p.id not in _COLOUR_IDS]
+        by_id = {p.id: p for p in shown}
+        hidden = _unused_width(material, node, by_id)
+        for parameter in shown:
+            if parameter.id != hidden and parameter.id != "use_roughness":
+                draw_parameter(layout, material, node, parameter)
+            # The switch stands under what it switches.
+            if parameter.id == "roughness":
+                draw_parameter(layout, material, node, by_id["use_roughness"])
+
+
+def _unused_width(material, node, by_id):
+    """The one of exponent and roughness that the lobe does not read; None when a link may decide either way."""
+    if "use_roughness" not in by_id or socket_of(node, by_id["use_roughness"]).is_linked:
+        return None
+    return "exponent" if material.plausible_brdf.use_roughness else "roughness"
+
+
+class _Color(_Face):
+    bl_label = "Color"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and any(
+            p.id in _COLOUR_IDS for p in plausible_node(material_of(context))[1].parameters)
+
+    def draw(self, context):
+        layout, material, node, model = self.begin(context)
+        by_id = {p.id: p for p in model.parameters if p.id in _COLOUR_IDS}
+        if "fresnel_type" in by_id:
+            draw_parameter(layout, material, node, by_id["fresnel_type"])
+        for name, parameter in by_id.items():
+            if name != "fresnel_type" and _is_read(name, by_id, material, node):
+                draw_parameter(layout, material, node, parameter)
+        if _METAL_IDS & set(by_id):
+            split = layout.split(factor=0.4)
+            split.label()
+            split.menu("PLAUSIBLE_MT_metals", text="Set Metal")
+
+
+def _is_read(name, by_id, material, node):
+    """Whether the choice of Fresnel reads the parameter `name`; a linked choice may read any."""
+    if name not in _ONLY_WITH or "fresnel_type" not in by_id or socket_of(node, by_id["fresnel_type"]).is_linked:
+        return True
+    return material.plausible_brdf.fresnel_type in _ONLY_WITH[name]
+
+
+class _Sampling(_Face):
+    bl_label = "Sampling"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, material, node, model = self.begin(context)
+        for parameter in model.parameters:
+            if not parameter.evaluated:
+                draw_parameter(layout, material, node, parameter)
+
+
+class _Tables(_Face):
+    bl_label = "Albedo Tables"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and bool(plausible_node(material_of(context))[1].tables)
+
+    def draw(self, context):
+        layout = self.layout
+        draw_bake(layout)
+        layout.operator("plausible.update_materials", icon="FILE_REFRESH")
+        if luts.job is not None and not luts.job.running and luts.job.error is None and not luts.job.cancelled:
+            draw_text(layout, context, "Materials keep the tables compiled into them until they are updated", "INFO")
+
+
+class _InMaterialTab:
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "material"
+    COMPAT_ENGINES = {"CYCLES"}
+
+    @classmethod
+    def is_here(cls, context):
+        # A Plausible material shows its panel, and what is amiss, under every engine.
+        return context.engine in cls.COMPAT_ENGINES or plausible_node(material_of(context))[1] is not None
+
+
+class _InShaderEditor:
+    bl_space_type = "NODE_EDITOR"
+    bl_region_type = "UI"
+    bl_category = "Plausible"
+
+    @classmethod
+    def is_here(cls, context):
+        space = context.space_data
+        return (space.tree_type == "ShaderNodeTree" and space.shader_type == "OBJECT"
+                and isinstance(space.id, (bpy.types.Material, type(None))))  # a light's nodes count as an object's too
+
+
+def _panels():
+    """Each face in both places, parents first."""
+    panels = []
+    for place, prefix in ((_InMaterialTab, "PLAUSIBLE_PT"), (_InShaderEditor, "PLAUSIBLE_PT_node")):
+        for face in (_Main, _Lobe, _Color, _Sampling, _Tables):
+            name = f"{prefix}_{face.__name__.strip('_').lower()}"
+            parent = {} if face is _Main else {"bl_parent_id": f"{prefix}_main"}
+            panels.append(type(name, (face, place, bpy.types.Panel), {"bl_idname": name, **parent}))
+    return tuple(panels)
+
+
+CLASSES = _panels()

@@ -1,0 +1,115 @@
+"""Properties of a material that show its Script node's sockets with names, ranges and help from the registry.
+
+A value lives in its socket only: these properties read and write there, so nothing is stored twice and links, drivers,
+keyframes and undo are the socket's own.
+"""
+import math
+
+import bpy
+
+from ..brdf import MODELS
+from . import materials
+
+_EXPONENT_SOFT_MAX = 1000.0  # dragging is linear: to 100000 it would jump over everything that is not a mirror
+_SUBTYPES = {"": "NONE", "rad": "ANGLE", "m": "DISTANCE"}
+
+
+def _owner(group, parameter):
+    """The Script node of the group's material, if it has the parameter; else None."""
+    node = materials.script_node(group.id_data)
+    model = materials.model_of(node) if node else None
+    known = model is not None and parameter in model.parameters and materials.socket_of(node, parameter) is not None
+    return node if known else None
+
+
+def _held(parameter, value):
+    """`value` held to the parameter's range, as a slider does."""
+    def hold(number):
+        return min(max(number, parameter.minimum), parameter.maximum)
+
+    if parameter.kind in ("color", "vector"):
+        return tuple(hold(number) for number in value)
+    return value if parameter.kind == "bool" else hold(value)
+
+
+def _accessors(parameter):
+    def read(self):
+        node = _owner(self, parameter)
+        return parameter.default if node is None else materials.get_value(node, parameter)
+
+    def write(self, value):
+        node = _owner(self, parameter)
+        if node is None:
+            raise ValueError(f"{self.id_data.name}: this material has no parameter {parameter.id!r}")
+        materials.set_value(node, parameter, _held(parameter, value))
+
+    return {"get": read, "set": write}
+
+
+def _float_range(parameter):
+    keys = {"min": parameter.minimum, "max": parameter.maximum}
+    return {key: value for key, value in keys.items() if math.isfinite(value)}
+
+
+def _property(parameter):
+    """The Blender property of one parameter. Raises ValueError for a kind that has none."""
+    # Not animatable: keyframes and drivers belong on the socket, which holds the value.
+    common = {"name": parameter.label, "description": parameter.help, "options": set(), **_accessors(parameter)}
+    if parameter.kind == "bool":
+        return bpy.props.BoolProperty(**common)
+    if parameter.kind == "int":
+        return bpy.props.IntProperty(min=int(parameter.minimum), max=int(parameter.maximum), **common)
+    if parameter.kind == "enum":
+        return bpy.props.EnumProperty(items=[(*item, i) for i, item in enumerate(parameter.items)], **common)
+    if parameter.kind == "vector":
+        return bpy.props.FloatVectorProperty(size=3, subtype="XYZ", **_float_range(parameter), **common)
+    if parameter.kind == "color":
+        # Only reflectances are colours to look at; a refractive index is three numbers.
+        subtype = "COLOR" if parameter.maximum <= 1.0 else "NONE"
+        return bpy.props.FloatVectorProperty(size=3, subtype=subtype, precision=3, **_float_range(parameter), **common)
+    if parameter.kind != "float":
+        raise ValueError(f"{parameter.id}: no property for the kind {parameter.kind!r}")
+    if parameter.logarithmic:
+        return bpy.props.FloatProperty(soft_max=min(_EXPONENT_SOFT_MAX, parameter.maximum), step=100, precision=2,
+                                       **_float_range(parameter), **common)
+    subtype = _SUBTYPES.get(parameter.unit, "NONE")
+    if subtype == "NONE" and math.isfinite(parameter.maximum):
+        subtype = "FACTOR"
+    return bpy.props.FloatProperty(subtype=subtype, precision=3, **_float_range(parameter), **common)
+
+
+def _named_parameters():
+    """Property name of every parameter of every model: its id, unless models declare one id differently."""
+    names = {}
+    for model in MODELS.values():
+        for parameter in model.parameters:
+            if parameter not in names:
+                names[parameter] = f"{model.id}_{parameter.id}" if parameter.id in names.values() else parameter.id
+    return names
+
+
+NAMES = _named_parameters()
+MODEL_ITEMS = [(model.id, model.label, model.description, i) for i, model in enumerate(MODELS.values())]
+
+
+def _read_model(self):
+    node = materials.script_node(self.id_data)
+    model = materials.model_of(node) if node else None
+    return list(MODELS).index(model.id) if model else 0
+
+
+def _write_model(self, number):
+    materials.change_model(self.id_data, list(MODELS)[number])
+
+
+PlausibleMaterial = type("PlausibleMaterial", (bpy.types.PropertyGroup,), {
+    "__doc__": "Parameters of a Plausible BRDF material, each held in its Script node's socket",
+    "__annotations__": {
+        "model": bpy.props.EnumProperty(
+            name="Model", description="Reflectance model. Parameters that both models have are kept",
+            items=MODEL_ITEMS, options=set(), get=_read_model, set=_write_model),
+        **{name: _property(parameter) for parameter, name in NAMES.items()},
+    },
+})
+
+CLASSES = (PlausibleMaterial,)

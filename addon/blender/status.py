@@ -1,0 +1,77 @@
+"""What stands between a material and its picture, in words, and the button that mends it."""
+from dataclasses import dataclass, field
+
+import bpy
+
+from ..brdf import tables
+from . import luts, osl
+
+OLDEST = (4, 2, 0)
+
+
+@dataclass(frozen=True)
+class Notice:
+    """A message for the panel. `operator` mends it: an operator's name, with the `settings` of its button `label`."""
+
+    text: str
+    operator: str = ""
+    label: str = ""
+    settings: dict = field(default_factory=dict)
+    icon: str = "ERROR"
+
+
+def notices(context, model=None) -> list:
+    """The notices for a material with `model` in the context's scene, the gravest first.
+
+    Without a model there is no such material yet, and only what stands in the way of making one counts.
+    """
+    missing = _build_lacks_something()
+    if missing:
+        return [missing]
+    scene = context.scene
+    found = [_tables(model)]
+    if model is not None:
+        found = [_engine(scene), _osl_off(scene), _wrong_device(scene), *found]
+    return [notice for notice in found if notice is not None]
+
+
+def _build_lacks_something():
+    if bpy.app.version < OLDEST:
+        return Notice(f"Blender {bpy.app.version_string} is too old: this needs 4.2 or later",
+                      "wm.url_open", "Get Blender", {"url": "https://www.blender.org/download/"})
+    reason = osl.unavailable()
+    return reason and Notice(reason, "wm.url_open", "Get Blender", {"url": "https://www.blender.org/download/"})
+
+
+def _engine(scene):
+    if scene.render.engine == "CYCLES":
+        return None
+    return Notice("Only Cycles renders the model; other engines show a stand-in", "wm.context_set_enum",
+                  "Render with Cycles", {"data_path": "scene.render.engine", "value": "CYCLES"}, icon="INFO")
+
+
+def _osl_off(scene):
+    if scene.render.engine != "CYCLES" or scene.cycles.shading_system:
+        return None
+    return Notice("Open Shading Language is off in this scene: Plausible materials render black",
+                  "plausible.use_osl", "Switch on OSL")
+
+
+def osl_is_on(scene) -> bool:
+    """Whether the scene renders in Cycles with Open Shading Language."""
+    return scene.render.engine == "CYCLES" and scene.cycles.shading_system
+
+
+def _wrong_device(scene):
+    if scene.render.engine != "CYCLES" or scene.cycles.device != "GPU":
+        return None
+    # Cycles keeps 1 KB a hit for OSL's closures there, and does not look whether they fit.
+    text = ("On the GPU these materials ask for more room than Cycles has" if osl.supports_osl(scene)
+            else "OSL on GPU needs OptiX, and these materials more room than Cycles has there")
+    return Notice(f"{text}: render on the CPU", "wm.context_set_enum", "Render on CPU",
+                  {"data_path": "scene.cycles.device", "value": "CPU"})
+
+
+def _tables(model):
+    text = luts.problem(tables.TABLES if model is None else model.tables)
+    return text and Notice(text, "plausible.bake_luts", "Bake LUTs")
