@@ -1,0 +1,55 @@
+"""The command `plausible`: one subcommand a job, each in the room it belongs to and loaded when it is asked for.
+
+A subcommand's module has `DESCRIPTION`, `add_arguments(parser)` and `run(arguments) -> exit code`. What a user can get
+wrong (a value, a file, a missing package) is raised there as CommandError, ValueError or OSError and printed as one
+line; anything else is our defect and keeps its traceback.
+"""
+import argparse
+import importlib
+import sys
+
+COMMANDS = {
+    "list": ("addon.commands.list", "models, their parameters and tables"),
+    "bake": ("addon.commands.bake", "compute the albedo tables, or check the shipped ones"),
+    "build": ("addon.commands.build", "make the extension's zip"),
+    "furnace": ("addon.commands.furnace", "albedo rendered in Cycles against theory"),
+    "goniometer": ("addon.commands.goniometer", "lobe under a sun rendered in Cycles against theory"),
+    "figures": ("addon.commands.figures", "plots of albedos and lobes"),
+    "demo": ("addon.commands.demo", "build and render the demo scene"),
+    "bench": ("addon.commands.bench", "efficiency against Cycles' own closures"),
+}
+
+
+class CommandError(Exception):
+    """A failure to print as one line."""
+
+
+def _parser():
+    parser = argparse.ArgumentParser(prog="plausible", description="Physically plausible reflectance for Cycles.")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for name, (_, summary) in COMMANDS.items():
+        commands.add_parser(name, help=summary, add_help=False)
+    return parser
+
+
+def main(argv=None) -> int:
+    """Run `plausible` with `argv`; returns the exit code: 0 done, 1 a check failed, 2 the call was wrong."""
+    argv = list(sys.argv[1:] if argv is None else argv)
+    if not argv or argv[0] not in COMMANDS:
+        _parser().parse_args(argv)
+    module = importlib.import_module(COMMANDS[argv[0]][0])
+    parser = argparse.ArgumentParser(prog=f"plausible {argv[0]}", description=module.DESCRIPTION)
+    module.add_arguments(parser)
+    arguments = parser.parse_args(argv[1:])
+    try:
+        return module.run(arguments) or 0
+    except (CommandError, ValueError, OSError) as error:
+        print(f"plausible {argv[0]}: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print(f"plausible {argv[0]}: cancelled", file=sys.stderr)
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,82 @@
+"""`plausible bake`."""
+import json
+import sys
+import time
+
+from ..baking import bake
+from ..brdf import tables
+from ..cli import CommandError
+
+DESCRIPTION = "Compute the albedo tables. Cancelling leaves the old tables whole."
+
+
+def add_arguments(parser):
+    parser.add_argument("table", nargs="*", metavar="TABLE",
+                        help=f"of {', '.join(tables.TABLES)}; all when none is given")
+    parser.add_argument("--check", action="store_true",
+                        help="write nothing; re-derive the error of every table and fail when one is stale or wrong")
+    parser.add_argument("--base-lobes", action="store_true",
+                        help="fit the shaders' base lobes instead (noise, blur and speed; needs SciPy)")
+    parser.add_argument("--output", metavar="DIR", help="folder of the tables (the package's luts by default)")
+    parser.add_argument("--workers", type=int, metavar="N", help="processes (one a core by default)")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def run(arguments):
+    for name in arguments.table:
+        if name not in tables.TABLES:
+            raise CommandError(f"no table {name!r}; there are {', '.join(tables.TABLES)}")
+    if arguments.workers is not None and arguments.workers < 1:
+        raise CommandError(f"--workers: {arguments.workers} is less than 1")
+    if arguments.output:
+        tables.use_folder(arguments.output)
+    if arguments.base_lobes:
+        return _fit_base_lobes(arguments)
+    return _check(arguments) if arguments.check else _bake(arguments)
+
+
+def _progress(done, total, name):
+    if sys.stderr.isatty():
+        print(f"\r{100 * done // max(total, 1):3d} %  {name:20}", end="\n" if done == total else "", file=sys.stderr)
+
+
+def _bake(arguments):
+    start = time.monotonic()
+    for done, total, name in bake.bake(arguments.table, arguments.workers):
+        _progress(done, total, name)
+    seconds = time.monotonic() - start
+    written = [str(tables.TABLES[name].path) for name in arguments.table or tables.TABLES]
+    if arguments.json:
+        print(json.dumps({"seconds": round(seconds, 2), "written": written}))
+    else:
+        print("\n".join(written) + f"\nbaked in {seconds:.1f} s")
+
+
+def _fit_base_lobes(arguments):
+    try:
+        from ..baking import base
+
+        start = time.monotonic()
+        for done, total in base.fit(arguments.workers):
+            _progress(done, total, "base lobes")
+    except ModuleNotFoundError:
+        raise CommandError("fitting base lobes needs SciPy: pip install 'plausible-brdf[bake]'") from None
+    print(f"{tables.folder() / base.FILE}\nfitted in {time.monotonic() - start:.1f} s")
+
+
+def _check(arguments):
+    reports = []
+    for done, total, name, report in bake.check(arguments.table, arguments.workers):
+        _progress(done, total, name)
+        if report:
+            reports.append(report)
+    if arguments.json:
+        print(json.dumps({"tables": reports, "node_bound": bake.NODE_BOUND,
+                          "interpolation_bound": bake.INTERPOLATION_BOUND}, indent=2))
+    else:
+        for report in reports:
+            verdict = "ok" if report["ok"] else "FAILED"
+            print(f"{verdict:6} {report['table']:18} " + (report.get("message") or
+                  f"nodes {report['node_error']:.1e} (bound {bake.NODE_BOUND:g}), "
+                  f"interpolation {report['interpolation_error']:.1e} (bound {bake.INTERPOLATION_BOUND:g})"))
+    return 0 if all(report["ok"] for report in reports) else 1

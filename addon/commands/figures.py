@@ -1,0 +1,39 @@
+"""`plausible figures`."""
+import importlib
+from pathlib import Path
+
+from ..cli import CommandError
+
+DESCRIPTION = "Plot albedos and lobes of the reference models, as PNG and SVG."
+SETS = {"pumping": "addon.figures.pumping"}
+
+
+def add_arguments(parser):
+    parser.add_argument("set", nargs="*", metavar="SET", help=f"of {', '.join(SETS)}; all when none is given")
+    parser.add_argument("--output", type=Path, default=Path("out/figures"), metavar="DIR",
+                        help="folder of the figures (default %(default)s)")
+
+
+def run(arguments):
+    for name in arguments.set:
+        if name not in SETS:
+            raise CommandError(f"no set {name!r}; there are {', '.join(SETS)}")
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError as error:
+        raise CommandError(f"needs matplotlib ({error}); pip install plausible-brdf[demo]") from None
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    for name in arguments.set or SETS:
+        for path in write_set(name, arguments.output):
+            print(path)
+
+
+def write_set(name, folder):
+    """Draw the set `name` into `folder`; yields each path written."""
+    figures = importlib.import_module(SETS[name])
+    for each in figures.SET:
+        figure = figures.draw(each)
+        for ending, metadata in (("png", {"Software": None}), ("svg", {"Date": None})):
+            path = folder / f"{name}_{each}.{ending}"
+            figure.savefig(path, metadata=metadata)
+            yield path

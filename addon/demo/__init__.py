@@ -1,0 +1,1 @@
+"""The demo: the pumping paper's metal scene, and where its metals come from."""

@@ -1,0 +1,107 @@
+"""The pumping paper's figures 3 to 7, computed by the reference models: albedo, and radiance under a point light.
+
+The left plot of each shows the albedo against the angle of view (the paper's eq. 4: what a uniform sky of radiance 1
+gives). The right one shows f(V, L) (N·L), the paper's eq. 3: radiance towards the viewer per unit irradiance on a
+surface facing the light, in 1/sr, in the plane of incidence, for a light at 0, 40 and 80 degrees.
+"""
+import numpy as np
+
+from .. import brdf
+
+ANGLES = (0.0, 40.0, 80.0)  # of the light, degrees
+STAGES = (0, 1, 2, 3, 4)
+LIMIT_EXPONENTS = (5.0, 20.0, 100.0, 1000.0)
+SHADES = ("#8d99ae", "#3d5a80", "#1f8a70", "#e09f1f", "#b5310f")
+CHAINS = {  # name: (model, control, title)
+    "phong_plain": ("pumped_phong", False, "Reciprocal Phong and its pumped-up versions, n = 20"),
+    "blinn_plain": ("pumped_blinn", False, "Reciprocal Blinn and its pumped-up versions, n = 20"),
+    "phong_controlled": ("pumped_phong", True, "Controlled pumping-up of reciprocal Phong, n = 20"),
+    "blinn_controlled": ("pumped_blinn", True, "Controlled pumping-up of reciprocal Blinn, n = 20"),
+}
+SET = (*CHAINS, "phong_limit")
+STYLE = {
+    "font.size": 9.5, "axes.titlesize": 10.5, "axes.spines.top": False, "axes.spines.right": False,
+    "axes.edgecolor": "#55555c", "axes.labelcolor": "#1b1b1d", "xtick.color": "#55555c", "ytick.color": "#55555c",
+    "axes.grid": True, "grid.color": "#e4e4e8", "grid.linewidth": 0.7, "axes.axisbelow": True, "lines.linewidth": 1.7,
+    "legend.frameon": False, "legend.handlelength": 3.0, "svg.hashsalt": "pumping", "svg.fonttype": "path",
+}
+
+
+def albedo_curve(model: str, count: int = 181, **parameters):
+    """View angles (degrees, up to 89.5) and the albedo at each, both (count,)."""
+    angles = np.linspace(0.0, 89.5, count)
+    return angles, brdf.MODELS[model].albedo(np.cos(np.radians(angles)), **parameters)
+
+
+def radiance_curve(model: str, light_angle: float, count: int = 721, **parameters):
+    """View angles (degrees, -90..90, the mirror direction positive) and f(V, L) (N·L) in 1/sr, both (count,)."""
+    angles = np.linspace(-90.0, 90.0, count)
+    view = np.stack([np.sin(np.radians(angles)), np.zeros(count), np.cos(np.radians(angles))], axis=-1)
+    tilt = np.radians(light_angle)
+    light = np.array([[-np.sin(tilt), 0.0, np.cos(tilt)]])
+    return angles, brdf.MODELS[model].evaluate(view, light, **parameters) * np.cos(tilt)
+
+
+def draw(name: str):
+    """The figure `name` of SET as a matplotlib Figure. Raises ValueError for another name."""
+    import matplotlib
+
+    if name not in SET:
+        raise ValueError(f"no figure {name!r}; there are {', '.join(SET)}")
+    with matplotlib.rc_context(STYLE):
+        figure, albedo, radiance = _axes()
+        if name == "phong_limit":
+            _draw_limit(albedo, radiance)
+            title = "Where controlled pumping-up of Phong ends (eq. 22)"
+        else:
+            model, control, title = CHAINS[name]
+            _draw_chain(albedo, radiance, model, control)
+        figure.suptitle(title, x=0.012, y=0.975, ha="left", va="top", size=13, weight="bold", color="#1b1b1d")
+    return figure
+
+
+def _axes():
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10.6, 4.5), dpi=150, layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 0.92), wspace=0.05)
+    albedo, radiance = figure.subplots(1, 2)
+    albedo.set(title="Albedo", xlabel="angle of view θ (degrees)", ylabel="albedo a (dimensionless)",
+               xlim=(0.0, 90.0), ylim=(0.0, 1.12), xticks=range(0, 91, 15))
+    radiance.set(title="Output radiance, light at 0°, 40° and 80°", xlabel="angle of view θ in the plane of incidence "
+                 "(degrees)", ylabel="f (N·L) (1/sr)", xlim=(-90.0, 90.0), xticks=range(-90, 91, 30))
+    albedo.axhline(1.0, color="#1b1b1d", linewidth=0.8, linestyle=(0, (4, 3)))
+    return figure, albedo, radiance
+
+
+def _draw_chain(albedo, radiance, model, control):
+    for stage, shade in zip(STAGES, SHADES, strict=True):
+        given = {"exponent": 20.0, "pumps": float(stage), "control": control}
+        label = "not pumped" if stage == 0 else f"pumped {stage} ×"
+        # Later stages of a controlled chain lie on one another: dashes let all be seen.
+        dashes = {3: (0, (5, 5)), 4: (0, (2, 8))}.get(stage, "-") if control else "-"
+        albedo.plot(*albedo_curve(model, **given), color=shade, label=label, linestyle=dashes)
+        for angle in ANGLES:
+            radiance.plot(*radiance_curve(model, angle, **given), color=shade, linestyle=dashes)
+    _finish(albedo, radiance)
+
+
+def _draw_limit(albedo, radiance):
+    for n, shade in zip(LIMIT_EXPONENTS, SHADES[1:], strict=True):
+        albedo.plot(*albedo_curve("phong_limit", exponent=n), color=shade, label=f"n = {n:g}")
+    for angle in ANGLES:
+        radiance.plot(*radiance_curve("phong_limit", angle, exponent=100.0), color=SHADES[3])
+    radiance.set_title("Output radiance, n = 100, light at 0°, 40° and 80°")
+    _finish(albedo, radiance)
+
+
+def _finish(albedo, radiance):
+    """Legend, and a mark for each mirror direction."""
+    albedo.legend(loc="lower left")
+    radiance.set_ylim(0.0, 1.12 * max(line.get_ydata().max() for line in radiance.lines))
+    for angle in ANGLES:
+        radiance.axvline(angle, color="#9a9aa2", linewidth=0.9, linestyle=(0, (1, 2)), zorder=0.5,
+                         label="mirror direction of the light" if angle == ANGLES[0] else None)
+    radiance.legend(loc="upper left")

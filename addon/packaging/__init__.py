@@ -1,0 +1,1 @@
+"""Making and checking the extension's zip. Never imports bpy itself."""
