@@ -1,0 +1,295 @@
+"""The extension as a user gets it: its zip, installing and removing it, rendering with it, and rendering without it."""
+import json
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.blender
+
+from addon import brdf, cli
+from addon.brdf import tables
+from addon.packaging import archive, checks
+
+# Blender 4.2 crashes and 4.5 hangs when a process ends with Python classes still registered: every script ends here,
+# and an error shows and fails it.
+_FRAME = """
+import json, os, sys, traceback
+
+def leave(code):
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)
+
+def fail(*error):
+    traceback.print_exception(*error)
+    leave(1)
+
+sys.excepthook = fail
+import bpy
+
+def install(path):
+    assert bpy.ops.extensions.package_install_files(
+        filepath=path, repo="user_default", enable_on_install=True) == {"FINISHED"}
+    package = "bl_ext.user_default.plausible_brdf"
+    assert package in bpy.context.preferences.addons, "the extension is not enabled"
+    return sys.modules[package + ".addon"]
+
+def render(to):
+    bpy.context.scene.render.filepath = to
+    bpy.ops.render.render(write_still=True)
+    # Colour management is off, and so the file holds what Cycles computed.
+    image = bpy.data.images.load(to)
+    pixels = [round(value, 7) for value in image.pixels[:]]
+    bpy.data.images.remove(image)
+    return pixels
+
+BODY
+leave(0)
+"""
+
+
+def run_blender(tmp_path, body, *arguments, profile="profile"):
+    """Run `body` in a Blender of its own with an empty user profile; returns the JSON object it prints last, if any."""
+    script = tmp_path / "script.py"
+    script.write_text(_FRAME.replace("BODY", body), encoding="utf-8")
+    folder = tmp_path / profile
+    folder.mkdir(exist_ok=True)
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    environment["BLENDER_USER_RESOURCES"] = str(folder)
+    result = subprocess.run([sys.executable, str(script), *map(str, arguments)], capture_output=True, text=True,
+                            env=environment, cwd=tmp_path, timeout=300)
+    assert result.returncode == 0, f"exit code {result.returncode}\n{result.stdout}\n{result.stderr}"
+    assert "Traceback" not in result.stdout + result.stderr, result.stdout + result.stderr
+    printed = [line for line in result.stdout.splitlines() if line.startswith("{")]
+    return json.loads(printed[-1]) if printed else None
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory):
+    """The extension's zip, made by the command."""
+    folder = tmp_path_factory.mktemp("dist")
+    assert cli.main(["build", "--output", str(folder)]) == 0
+    (path,) = folder.iterdir()
+    return path
+
+
+def test_zip_is_what_blenders_own_builder_makes(package, tmp_path):
+    command = [sys.executable, str(checks.validator()), "build", "--source-dir", str(archive.ROOT),
+               "--output-dir", str(tmp_path)]
+    subprocess.run(command, check=True, capture_output=True)
+    with zipfile.ZipFile(package) as ours, zipfile.ZipFile(tmp_path / package.name) as official:
+        assert sorted(ours.namelist()) == sorted(official.namelist())
+        assert all(ours.read(name) == official.read(name) for name in ours.namelist())
+
+
+def test_zip_holds_the_extension_and_nothing_else(package):
+    with zipfile.ZipFile(package) as zipped:
+        names = zipped.namelist()
+    allowed = {"__init__.py", "blender_manifest.toml", "LICENSE", "README.md", "addon", "osl", "luts"}
+    assert {name.partition("/")[0] for name in names} <= allowed
+    assert not [name for name in names if "__pycache__" in name or "/." in name or name.endswith((".pyc", ".oso"))]
+    assert {f"luts/{name}.exr" for name in tables.TABLES} <= set(names)
+    assert {f"osl/{model}.osl" for model in brdf.MODELS} <= set(names)
+
+
+def test_zip_is_the_same_bytes_for_the_same_files(package, tmp_path):
+    assert archive.build(tmp_path).read_bytes() == package.read_bytes()
+
+
+def test_build_reports(tmp_path, capsys):
+    assert cli.main(["build", "--output", str(tmp_path), "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    path = Path(report["path"])
+    assert path.parent == tmp_path and path.stat().st_size == report["bytes"]
+    assert report["validated"] and report["shaders_compiled"] == len(brdf.MODELS)
+    assert report["files"] == len(zipfile.ZipFile(path).namelist())
+
+
+def test_build_refuses_missing_tables(tmp_path, capsys):
+    tables.use_folder(tmp_path / "none")
+    try:
+        assert cli.main(["build", "--output", str(tmp_path / "dist")]) == 2
+    finally:
+        tables.use_folder()
+    error = capsys.readouterr().err
+    assert "phong_plain.exr" in error and len(error.splitlines()) == 1
+    assert not (tmp_path / "dist").exists()
+
+
+def test_build_works_without_bpy(tmp_path):
+    script = "import sys; sys.modules['bpy'] = None; from addon import cli; sys.exit(cli.main(sys.argv[1:]))"
+    result = subprocess.run([sys.executable, "-c", script, "build", "--output", str(tmp_path)], cwd=archive.ROOT,
+                            capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+    assert "bpy is not installed" in result.stdout and list(tmp_path.glob("*.zip"))
+
+
+def test_validator_rejects_a_broken_zip(tmp_path):
+    broken = tmp_path / "broken.zip"
+    with zipfile.ZipFile(broken, "w") as zipped:
+        zipped.writestr("blender_manifest.toml", 'schema_version = "1.0.0"\nid = "plausible_brdf"\n')
+    with pytest.raises(archive.PackageError, match="rejects"):
+        checks.validate(broken)
+
+
+@pytest.mark.parametrize("pattern", ["/a/b", "a/**", "/", "!"])
+def test_patterns_that_are_not_understood_are_refused(pattern):
+    with pytest.raises(archive.PackageError, match="not understood"):
+        archive.is_excluded("a", False, [pattern])
+
+
+CYCLES = """
+import addon_utils
+
+def state():
+    keyconfigs = bpy.context.window_manager.keyconfigs
+    handlers = {name: [f.__module__ for f in getattr(bpy.app.handlers, name)] for name in dir(bpy.app.handlers)
+                if isinstance(getattr(bpy.app.handlers, name), list)}
+    return {
+        "types": sorted(dir(bpy.types)),
+        "properties": {name: sorted(getattr(bpy.types, name).bl_rna.properties.keys())
+                       for name in ("Material", "Scene", "Object", "WindowManager", "Node", "World")},
+        "operators": dir(bpy.ops.plausible), "handlers": handlers,
+        "keymaps": [(k.name, m.name, len(m.keymap_items)) for k in keyconfigs for m in k.keymaps],
+        "menus": {name: len(getattr(getattr(bpy.types, name).draw, "_draw_funcs", ())) for name in dir(bpy.types)
+                  if "_MT_" in name and name != "NODE_MT_add"},  # Blender itself wraps that one at the first add-on
+        "addons": sorted(bpy.context.preferences.addons.keys()),
+    }
+
+addon = install(sys.argv[1])
+package = addon.__package__.rpartition(".")[0]
+assert "create_material" in dir(sys.modules[addon.__package__ + ".blender.materials"])
+assert "new_material" in dir(bpy.ops.plausible) and hasattr(bpy.types.Material, "plausible_brdf")
+addon_utils.disable(package, default_set=True)
+before = state()
+assert not before["operators"] and "plausible_brdf" not in before["properties"]["Material"]
+for cycle in range(3):
+    assert addon_utils.enable(package, default_set=True), f"cycle {cycle}"
+    assert "bake_luts" in dir(bpy.ops.plausible)
+    addon_utils.disable(package, default_set=True)
+    after = state()
+    assert after == before, {key: (before[key], after[key]) for key in before if before[key] != after[key]}
+"""
+
+
+def test_enabling_three_times_leaves_nothing_behind(package, tmp_path):
+    run_blender(tmp_path, CYCLES, package)
+
+
+SCENE = """
+import math
+bpy.ops.wm.read_factory_settings(use_empty=True)
+addon = install(sys.argv[1])
+scene = bpy.context.scene
+bpy.ops.mesh.primitive_plane_add(size=2000.0)
+scene.render.engine = "CYCLES"
+assert not scene.cycles.shading_system
+assert bpy.ops.plausible.new_material(model="pumped_phong") == {"FINISHED"}
+assert scene.cycles.shading_system
+material = bpy.context.object.active_material
+material.plausible_brdf.exponent, material.plausible_brdf.pumps = 20.0, 2.0
+assert addon.create_material("blinn", exponent=5.0).plausible_brdf.exponent == 5.0
+
+# A camera without perspective shows the plane at one angle in every pixel; the world is a white furnace.
+angle = math.radians(60.0)
+camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+camera.data.type, camera.data.ortho_scale = "ORTHO", 1.0
+camera.location = (5.0 * math.sin(angle), 0.0, 5.0 * math.cos(angle))
+camera.rotation_euler = (0.0, angle, 0.0)
+scene.collection.objects.link(camera)
+scene.camera = camera
+scene.world = bpy.data.worlds.new("furnace")
+if scene.world.node_tree is None:
+    scene.world.use_nodes = True
+tree = scene.world.node_tree
+tree.nodes.clear()
+background, output = tree.nodes.new("ShaderNodeBackground"), tree.nodes.new("ShaderNodeOutputWorld")
+background.inputs[0].default_value = (1.0, 1.0, 1.0, 1.0)
+tree.links.new(background.outputs[0], output.inputs[0])
+scene.render.resolution_x = scene.render.resolution_y = 24
+scene.cycles.samples, scene.cycles.max_bounces, scene.cycles.seed = 128, 1, 1
+scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
+scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+scene.view_settings.view_transform = "Raw"
+os.makedirs("made", exist_ok=True)
+os.makedirs("moved", exist_ok=True)
+bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath("made/scene.blend"))
+print(json.dumps({"pixels": render(os.path.abspath("first.exr"))}))
+"""
+
+REOPENED = """
+assert not any("plausible" in name for name in bpy.context.preferences.addons.keys())
+bpy.ops.wm.open_mainfile(filepath=os.path.abspath("moved/scene.blend"))
+pixels = render(os.path.abspath("second.exr"))
+ours = [name for name in sys.modules if name.startswith("addon.") or name.endswith(".plausible_brdf")]
+assert not ours, "the extension must not be needed"
+print(json.dumps({"pixels": pixels}))
+"""
+
+
+def test_material_renders_its_albedo_and_needs_no_extension_afterwards(package, tmp_path):
+    pixels = run_blender(tmp_path, SCENE, package)["pixels"]
+    red = pixels[0::4]
+    mean = sum(red) / len(red)
+    noise = (sum((value - mean) ** 2 for value in red) / len(red) / (len(red) - 1)) ** 0.5
+    (albedo,) = brdf.MODELS["pumped_phong"].albedo([0.5], exponent=20.0, pumps=2.0)
+    assert abs(mean - albedo) < 5.0 * noise + 1e-3, f"{mean} for {albedo}, standard error {noise}"
+    assert noise < 2e-3
+
+    (tmp_path / "made/scene.blend").rename(tmp_path / "moved/scene.blend")
+    again = run_blender(tmp_path, REOPENED, profile="empty")["pixels"]
+    assert again == pixels
+
+
+READ_ONLY = """
+addon = install(sys.argv[1])
+from bl_ext.user_default.plausible_brdf.addon.blender import luts
+from bl_ext.user_default.plausible_brdf.addon.brdf import tables
+packaged = tables.folder()
+writable, os.access = os.access, lambda path, mode: str(path) != str(packaged) and writable(path, mode)
+luts.use_writable_folder()
+os.access = writable
+mine = luts.user_folder()
+assert tables.folder() == mine != packaged and os.environ["BLENDER_USER_RESOURCES"] in str(mine)
+assert luts.problem(tables.TABLES) is None, "until it is baked anew, every table is a copy"
+addon.unregister()
+assert tables.folder() == packaged
+addon.register()
+assert tables.folder() == mine, "the user's own tables are found again"
+addon.unregister()
+(mine / "blinn_plain.exr").write_bytes(b"half a table")
+addon.register()
+assert tables.folder() == packaged, "a damaged set of tables is not used"
+addon.unregister()
+"""
+
+
+def test_tables_of_a_read_only_installation_go_to_the_users_folder(package, tmp_path):
+    run_blender(tmp_path, READ_ONLY, package)
+
+
+FAILING = """
+addon = install(sys.argv[1])
+addon.unregister()
+before = sorted(dir(bpy.types))
+from bl_ext.user_default.plausible_brdf.addon.blender import preferences
+class Broken(bpy.types.Operator):
+    bl_idname = "this is no name"
+    bl_label = "Broken"
+preferences.CLASSES = (*preferences.CLASSES, Broken)
+try:
+    addon.register()
+except (RuntimeError, ValueError) as error:
+    assert "this is no name" in str(error), error
+else:
+    raise AssertionError("a failure to register was swallowed")
+assert sorted(dir(bpy.types)) == before and not hasattr(bpy.types.Material, "plausible_brdf")
+"""
+
+
+def test_failing_registration_is_raised_and_taken_back(package, tmp_path):
+    run_blender(tmp_path, FAILING, package)

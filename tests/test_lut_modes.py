@@ -1,0 +1,181 @@
+"""Albedo tables compiled into the shader and read from files: the same picture, and no silence about a bad file."""
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from addon import create_material
+from addon.brdf import MODELS, exr, tables
+from addon.verify import room
+
+pytestmark = pytest.mark.blender
+
+ROOT = Path(__file__).resolve().parents[1]
+PUMPED = ("pumped_phong", "pumped_blinn")
+# Interpreters of other Blenders, separated as in PATH, to render what this one saved.
+OTHERS = [path for path in os.environ.get("PLAUSIBLE_OTHER_PYTHON", "").split(os.pathsep) if path]
+
+
+def picture(material, view_deg=60.0, samples=16, energy=0.0):
+    """A plane under a white sky, or under a sun of `energy` from the normal: (256, 3)."""
+    with room.Room(material, room.PLANE, 16) as place:
+        place.sky(0.0 if energy else 1.0)
+        if energy:
+            place.shine("SUN", (0.0, 0.0, 1.0), energy=energy, angle=0.0)
+        angle = np.radians(view_deg)
+        place.look_from((np.sin(angle), 0.0, np.cos(angle)))
+        return place.render(samples).reshape(-1, 3)
+
+
+def use_table(material, control, path):
+    """Name another file in the socket of a material that reads its tables from files."""
+    from addon.blender import materials
+
+    name = "table_controlled" if control else "table_plain"
+    next(s for s in materials.script_node(material).inputs if s.identifier == name).default_value = str(path)
+
+
+@pytest.mark.parametrize("exponent, typical", [(1.0, 1e-4), (20.0, 1e-4), (3000.0, 3e-4), (100000.0, 3e-3)])
+@pytest.mark.parametrize("control", [False, True], ids=["plain", "controlled"])
+@pytest.mark.parametrize("model", PUMPED)
+def test_files_render_what_compiled_tables_render(model, control, exponent, typical):
+    """Of equal seeds, pixel by pixel: what differs is how the numbers were read.
+
+    The last digit of a weight decides now and then which closure a path follows, and the pixel it belongs to is
+    another one then: so the typical pixel, and all of them together. The sharpest lobes lose digits everywhere.
+    """
+    for view_deg in (30.0, 80.0):
+        compiled, file = (picture(create_material(model, lut=lut, exponent=exponent, pumps=2.5, control=control),
+                                  view_deg) for lut in ("compiled", "file"))
+        difference = (file - compiled)[:, 0]
+        assert compiled.mean() > 0.1
+        assert np.median(np.abs(difference)) < typical
+        assert abs(difference.mean()) < 1e-4 + 5.0 * difference.std() / np.sqrt(len(difference))
+        assert difference.std() < 0.02
+
+
+def missing(good, folder):
+    return folder / "gone.exr"
+
+
+def nameless(good, folder):
+    return ""
+
+
+def truncated(good, folder):
+    data = good.read_bytes()
+    (folder / "half.exr").write_bytes(data[: len(data) // 2])
+    return folder / "half.exr"
+
+
+def no_image(good, folder):
+    (folder / "letter.exr").write_text("Dear renderer")
+    return folder / "letter.exr"
+
+
+def other_image(good, folder):
+    exr.write(folder / "grey.exr", np.full((64, 128, 4), 0.5, np.float32), {})
+    return folder / "grey.exr"
+
+
+def other_table(good, folder):
+    other = next(t for t in tables.TABLES.values() if t.path.name != good.name)
+    shutil.copyfile(other.path, folder / other.path.name)
+    return folder / other.path.name
+
+
+def stale(good, folder):
+    """A table whose axes were another version's: its markers hold another stamp."""
+    image, metadata = exr.read(good)
+    image = np.array(image)
+    image[[0, -1], :, 1] += 1e-4
+    exr.write(folder / "stale.exr", image, {})
+    return folder / "stale.exr"
+
+
+@pytest.mark.parametrize("spoil", [missing, nameless, truncated, no_image, other_image, other_table, stale])
+@pytest.mark.parametrize("control", [False, True], ids=["plain", "controlled"])
+def test_a_bad_file_is_told_in_picture_and_words(spoil, control, tmp_path, capfd):
+    good = tables.TABLES["phong_controlled" if control else "phong_plain"].path
+    path = spoil(good, tmp_path)
+    material = create_material("pumped_phong", lut="file", control=control)
+    use_table(material, control, path)
+    capfd.readouterr()
+    for pixels in (picture(material, 5.0, 1), picture(material, 5.0, 1, energy=np.pi)):
+        assert np.array_equal(pixels[:, 0], pixels[:, 2]) and not pixels[:, 1].any()
+        black = pixels[:, 0] == 0.0
+        assert 0.2 < black.mean() < 0.8, "stripes"
+        assert pixels[~black, 0].min() > 0.5
+    said = capfd.readouterr().err
+    assert "Plausible BRDF: albedo table" in said and str(path) in said
+
+
+def test_a_bad_file_of_the_other_kind_does_not_matter(tmp_path):
+    """A controlled material does not read the plain table, nor an unpumped one either."""
+    material = create_material("pumped_phong", lut="file", control=True)
+    use_table(material, False, tmp_path / "gone.exr")
+    assert picture(material)[:, 1].mean() > 0.8
+    unpumped = create_material("pumped_phong", lut="file", pumps=0.0)
+    use_table(unpumped, True, tmp_path / "gone.exr")
+    assert picture(unpumped)[:, 1].mean() > 0.4
+
+
+def test_a_mended_file_is_read_again(tmp_path):
+    material = create_material("pumped_phong", lut="file")
+    good = tables.TABLES["phong_controlled"].path
+    use_table(material, True, tmp_path / "gone.exr")
+    assert not picture(material)[:, 1].any()
+    use_table(material, True, good)
+    assert picture(material)[:, 1].mean() > 0.8
+
+
+WRITER = """
+import sys
+sys.path.insert(0, sys.argv[1])
+import bpy
+from addon import create_material
+material = create_material(sys.argv[3], name="Traveller")
+bpy.data.libraries.write(sys.argv[2], {material}, fake_user=True)
+print("RESULT", list(bpy.app.version), flush=True)
+"""
+READER = """
+import sys, json
+sys.path.insert(0, sys.argv[1])
+import bpy
+with bpy.data.libraries.load(sys.argv[2]) as (_, wanted):
+    wanted.materials = ["Traveller"]
+from addon.verify import room
+with room.Room(wanted.materials[0], room.PLANE, 16) as place:
+    place.sky(1.0)
+    place.look_from((0.6, 0.0, 0.8))
+    pixels = place.render(1024).reshape(-1, 3)
+print("RESULT", json.dumps([pixels.mean(), pixels.std() / len(pixels) ** 0.5]), flush=True)
+"""
+
+
+def run_in(python, script, *arguments):
+    """What a script printed after RESULT in another interpreter, read as JSON."""
+    # Blender names its own colour configuration in OCIO, which another version cannot read.
+    environment = {key: value for key, value in os.environ.items() if key != "OCIO"}
+    done = subprocess.run([python, "-c", script, str(ROOT), *map(str, arguments)], capture_output=True, text=True,
+                          timeout=300, env=environment)
+    lines = [line for line in done.stdout.splitlines() if line.startswith("RESULT")]
+    assert lines, done.stderr
+    return json.loads(lines[0].removeprefix("RESULT"))
+
+
+if OTHERS:  # nothing to test, and nothing to skip, where there is one Blender only
+    @pytest.mark.parametrize("python", OTHERS)
+    @pytest.mark.parametrize("model", list(MODELS))
+    def test_the_newer_version_renders_what_the_older_saved(model, python, tmp_path):
+        # Not the other way: files of 5.x are closed to 4.2.
+        files = {p: tmp_path / f"{i}.blend" for i, p in enumerate((sys.executable, python))}
+        older = min(files, key=lambda p: run_in(p, WRITER, files[p], model))
+        (here, noise), (there, other_noise) = (run_in(p, READER, files[older]) for p in files)
+        assert max(noise, other_noise) < 7e-4
+        assert abs(here - there) < 5e-4 + 5.0 * (noise**2 + other_noise**2) ** 0.5

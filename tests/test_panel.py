@@ -1,0 +1,388 @@
+"""The panel, drawn into a recorder that knows what Blender's layouts accept; its properties; its notices.
+
+Blender draws no panel without a window, and makes no layout for a script. The recorder stands in for one: it refuses
+every call, argument, property, icon and operator that the running Blender's own UILayout would refuse.
+"""
+import itertools
+import math
+from types import SimpleNamespace
+
+import pytest
+
+pytestmark = pytest.mark.blender
+
+from addon import brdf
+from addon.brdf import tables
+
+
+class Recorder:
+    """A layout that checks what is drawn into it against UILayout's own description, and keeps it in `log`."""
+
+    def __init__(self, log):
+        object.__setattr__(self, "log", log)
+
+    def __setattr__(self, name, value):
+        import bpy
+
+        declared = bpy.types.UILayout.bl_rna.properties[name]
+        assert not declared.is_readonly, f"layout.{name} is read-only"
+        assert declared.type != "ENUM" or value in declared.enum_items, f"layout.{name} = {value!r}"
+
+    def __getattr__(self, name):
+        import bpy
+
+        declared = bpy.types.UILayout.bl_rna.functions[name]
+
+        def call(*args, **kwargs):
+            inputs = [p for p in declared.parameters if not p.is_output]
+            given = dict(zip((p.identifier for p in inputs), args, strict=False)) | kwargs
+            accepted = {p.identifier: p for p in inputs}
+            unknown = set(given) - set(accepted)
+            assert not unknown, f"layout.{name}() takes no {unknown}"
+            missing = {p.identifier for p in inputs if p.is_required} - set(given)
+            assert not missing, f"layout.{name}() needs {missing}"
+            _check_arguments(name, given, accepted)
+            self.log.append((name, given))
+            if name == "operator":
+                return Button(given["operator"])
+            return Recorder(self.log) if name in ("row", "column", "box", "split") else None
+
+        return call
+
+
+class Button:
+    """What layout.operator() returns: it takes the operator's own properties only."""
+
+    def __init__(self, operator):
+        object.__setattr__(self, "_rna", _operator_rna(operator))
+
+    def __setattr__(self, name, value):
+        # The type is a generic one for the properties that Blender's own Python operators declare.
+        assert name in self._rna.properties, f"{self._rna.identifier} has no property {name}"
+        items = getattr(self._rna.properties[name], "enum_items", None)
+        assert not items or value in items, f"{self._rna.identifier}.{name} = {value!r}"
+
+
+def _operator_rna(name):
+    import bpy
+
+    module, _, function = name.partition(".")
+    assert function in dir(getattr(bpy.ops, module)), f"no operator {name}"
+    return getattr(getattr(bpy.ops, module), function).get_rna_type()
+
+
+def _check_arguments(name, given, accepted):
+    import bpy
+
+    for key, value in given.items():
+        if accepted[key].type == "ENUM":
+            assert value in accepted[key].enum_items, f"layout.{name}({key}={value!r})"
+        if accepted[key].type == "STRING":
+            assert isinstance(value, str), f"layout.{name}({key}={value!r})"
+    if name == "prop":
+        assert given["property"] in given["data"].bl_rna.properties, given
+        getattr(given["data"], given["property"])
+    if name == "menu":
+        assert issubclass(getattr(bpy.types, given["menu"]), bpy.types.Menu)
+    if name == "operator":
+        _operator_rna(given["operator"])
+
+
+@pytest.fixture
+def registered():
+    """The add-on, registered from the source folder for one test."""
+    import addon
+
+    addon.register()
+    yield
+    addon.unregister()
+
+
+@pytest.fixture
+def bpy(registered):
+    import bpy
+
+    yield bpy
+    for material in list(bpy.data.materials):
+        bpy.data.materials.remove(material)
+
+
+def context_for(bpy, material=None, engine="CYCLES", osl=True, space=None, device="CPU"):
+    """A context with a material tab, as far as the panels look at it."""
+    cycles = SimpleNamespace(shading_system=osl, device=device)
+    scene = SimpleNamespace(render=SimpleNamespace(engine=engine), cycles=cycles)
+    return SimpleNamespace(
+        scene=scene, engine=engine, material=material, object=None, region=SimpleNamespace(width=400),
+        space_data=space or SimpleNamespace(type="PROPERTIES"),
+        preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)),
+    )
+
+
+def shader_editor(material):
+    return SimpleNamespace(type="NODE_EDITOR", tree_type="ShaderNodeTree", shader_type="OBJECT", id=material)
+
+
+def drawn(context, prefix="PLAUSIBLE_PT_"):
+    """What the panels whose poll succeeds draw, as a list of (layout function, its arguments)."""
+    from addon.blender.panels import CLASSES
+
+    log = []
+    in_editor = context.space_data.type == "NODE_EDITOR"
+    for cls in CLASSES:
+        if (cls.bl_space_type == "NODE_EDITOR") == in_editor and cls.poll(context):
+            stand_in = type(cls.__name__, cls.__bases__[:-1], {})()  # a Panel itself cannot be made by a script
+            stand_in.layout = Recorder(log)
+            cls.draw(stand_in, context)
+    return log
+
+
+def properties(log):
+    return [given["property"] for name, given in log if name == "prop"]
+
+
+def texts(log):
+    return " ".join(given.get("text", "") for name, given in log if name == "label")
+
+
+def operators(log):
+    return [given["operator"] for name, given in log if name == "operator"]
+
+
+def make(model_id, **parameters):
+    from addon import create_material
+
+    return create_material(model_id, **parameters)
+
+
+FRESNEL = {"constant": {"base_color"}, "schlick": {"base_color", "f90"}, "conductor": {"ior", "extinction"}}
+COLOURS = set().union(*FRESNEL.values())
+
+
+@pytest.mark.parametrize("model_id", brdf.MODELS)
+@pytest.mark.parametrize("in_editor", [False, True])
+def test_panel_shows_what_the_model_reads_and_nothing_else(bpy, model_id, in_editor):
+    model = brdf.MODELS[model_id]
+    material = make(model_id)
+    context = context_for(bpy, material, space=shader_editor(material) if in_editor else None)
+    ids = {p.id for p in model.parameters if p.kind != "vector"}
+    for fresnel, rough in itertools.product(FRESNEL, (False, True)):
+        material.plausible_brdf.fresnel_type = fresnel
+        material.plausible_brdf.use_roughness = rough
+        expected = ids - (COLOURS - FRESNEL[fresnel]) - {"exponent" if rough else "roughness"} | {"model"}
+        assert set(properties(drawn(context))) == expected
+
+
+def test_linked_socket_shows_its_source_and_no_slider(bpy):
+    from addon.blender import materials
+
+    material = make("pumped_phong")
+    node = materials.script_node(material)
+    source = material.node_tree.nodes.new("ShaderNodeTexNoise")
+    source.label = "Scratches"
+    for name in ("pumps", "shading_normal", "use_roughness"):
+        target = materials.socket_of(node, brdf.MODELS["pumped_phong"].parameter(name))
+        material.node_tree.links.new(source.outputs[0], target)
+    log = drawn(context_for(bpy, material))
+    assert not {"pumps", "shading_normal", "use_roughness"} & set(properties(log))
+    assert {"exponent", "roughness"} <= set(properties(log)), "a linked switch may choose either"
+    assert sum(given.get("text") == "Scratches" and given.get("icon") == "LINKED" for _, given in log) == 3
+
+
+@pytest.mark.parametrize("model_id", brdf.MODELS)
+def test_properties_are_declared_by_the_registry(bpy, model_id):
+    from addon.blender.properties import NAMES
+
+    group = make(model_id).plausible_brdf
+    for parameter in brdf.MODELS[model_id].parameters:
+        declared = group.bl_rna.properties[NAMES[parameter]]
+        assert (declared.name, declared.description) == (parameter.label, parameter.help)
+        if parameter.kind == "enum":
+            assert [item.identifier for item in declared.enum_items] == [item[0] for item in parameter.items]
+        elif parameter.kind != "bool" and math.isfinite(parameter.maximum):
+            assert declared.hard_min == parameter.minimum and declared.hard_max == parameter.maximum
+            assert parameter.minimum <= declared.soft_min < declared.soft_max <= parameter.maximum
+
+
+def test_values_live_in_the_sockets_only(bpy):
+    from addon.blender import materials
+
+    material = make("pumped_blinn", exponent=35.0)
+    model, node, group = brdf.MODELS["pumped_blinn"], materials.script_node(material), material.plausible_brdf
+    written = {"exponent": 50.0, "pumps": 2.5, "control": False, "samples": 7, "fresnel_type": "conductor",
+               "base_color": (0.25, 0.5, 0.75), "ior": (0.5, 1.5, 12.0)}
+    assert group.exponent == 35.0
+    for name, value in written.items():
+        setattr(group, name, value)
+        shown = getattr(group, name)
+        assert (tuple(shown) if isinstance(value, tuple) else shown) == value
+        held = materials.get_value(node, model.parameter(name))
+        assert held == model.parameter(name).check(value)
+    materials.set_value(node, model.parameter("exponent"), 12.0)
+    assert group.exponent == 12.0
+    # 5.0 and later keep what properties store apart from what users store.
+    stored = group.bl_system_properties_get() if hasattr(group, "bl_system_properties_get") else group
+    assert not (stored and list(stored.keys())), "nothing may be stored a second time"
+
+
+def test_properties_hold_to_the_range(bpy):
+    group = make("pumped_phong").plausible_brdf
+    group.exponent, group.pumps, group.samples = 1e9, -3.0, 99
+    assert (group.exponent, group.pumps, group.samples) == (100000.0, 0.0, 8)
+
+
+def test_choosing_a_model_keeps_what_both_have(bpy):
+    material = make("pumped_phong", exponent=77.0, base_color=(0.5, 0.25, 0.125))
+    material.plausible_brdf.model = "blinn"
+    assert material.plausible_brdf.model == "blinn"
+    assert material.plausible_brdf.exponent == 77.0
+    assert tuple(material.plausible_brdf.base_color) == (0.5, 0.25, 0.125)
+    assert "pumps" not in properties(drawn(context_for(bpy, material)))
+
+
+def test_other_materials_get_an_offer_and_the_other_engines_no_panel(bpy):
+    plain = bpy.data.materials.new("plain")
+    assert operators(drawn(context_for(bpy, plain))) == ["plausible.new_material"]
+    assert operators(drawn(context_for(bpy, None))) == ["plausible.new_material"]
+    assert drawn(context_for(bpy, plain, engine="BLENDER_WORKBENCH")) == []
+
+
+def test_every_obstacle_is_named_and_has_a_cure(bpy, monkeypatch, tmp_path):
+    from addon.blender import osl
+
+    material = make("pumped_phong")
+    log = drawn(context_for(bpy, material))
+    assert "Open Shading Language is on" in texts(log) and "plausible.use_osl" not in operators(log)
+    log = drawn(context_for(bpy, material, osl=False))
+    assert "render black" in texts(log) and "plausible.use_osl" in operators(log)
+    log = drawn(context_for(bpy, material, engine="BLENDER_WORKBENCH"))
+    assert "stand-in" in texts(log) and "wm.context_set_enum" in operators(log)
+    monkeypatch.setattr(osl, "supports_osl", lambda scene: scene.cycles.device == "CPU")
+    log = drawn(context_for(bpy, material, device="GPU"))
+    assert "needs OptiX" in texts(log) and "wm.context_set_enum" in operators(log)
+    monkeypatch.setattr(osl, "supports_osl", lambda scene: True)
+    log = drawn(context_for(bpy, material, device="GPU"))
+    assert "more room than Cycles has" in texts(log) and "wm.context_set_enum" in operators(log)
+    tables.use_folder(tmp_path)
+    log = drawn(context_for(bpy, material))
+    assert "phong_plain.exr" in texts(log).replace(" ", "") and "is missing" in texts(log)
+    assert "plausible.bake_luts" in operators(log)
+    monkeypatch.setattr(osl, "unavailable", lambda: "no shading language here")
+    log = drawn(context_for(bpy, material))
+    assert "no shading language here" in texts(log) and "wm.url_open" in operators(log)
+    assert not bpy.ops.plausible.new_material.poll()
+
+
+def test_metal_sets_what_the_model_has(bpy):
+    from addon.brdf.metals import METALS
+
+    material = make("phong", fresnel_type="schlick")
+    with bpy.context.temp_override(material=material):
+        assert bpy.ops.plausible.set_metal(metal="gold") == {"FINISHED"}
+    group = material.plausible_brdf
+    assert tuple(group.base_color) == pytest.approx(METALS["gold"].f0)
+    assert tuple(group.ior) == pytest.approx(METALS["gold"].ior)
+    assert tuple(group.extinction) == pytest.approx(METALS["gold"].extinction)
+    assert group.fresnel_type == "schlick"
+
+
+def test_menu_and_preferences_draw(bpy):
+    from addon.blender.operators import PLAUSIBLE_MT_metals
+    from addon.blender.preferences import PlausiblePreferences
+    from addon.brdf.metals import METALS
+
+    log = []
+    PLAUSIBLE_MT_metals.draw(SimpleNamespace(layout=Recorder(log)), None)
+    assert [given["text"] for _, given in log] == [metal.label for metal in METALS.values()]
+    log = []
+    PlausiblePreferences.draw(SimpleNamespace(layout=Recorder(log)), context_for(bpy))
+    assert str(tables.folder()).replace(" ", "") in texts(log).replace(" ", "")
+
+
+def test_new_material_goes_to_the_active_slot(bpy):
+    scene = bpy.context.scene
+    thing = bpy.data.objects.new("thing", bpy.data.meshes.new("thing"))
+    scene.collection.objects.link(thing)
+    bpy.context.view_layer.objects.active = thing
+    scene.render.engine, scene.cycles.shading_system = "CYCLES", False
+    assert bpy.ops.plausible.new_material() == {"FINISHED"}
+    assert len(thing.material_slots) == 1 and thing.material_slots[0].material.plausible_brdf.model == "pumped_phong"
+    assert scene.cycles.shading_system
+    thing.data.materials.append(None)
+    thing.active_material_index = 1
+    assert bpy.ops.plausible.new_material(model="blinn") == {"FINISHED"}
+    assert [slot.material.plausible_brdf.model for slot in thing.material_slots] == ["pumped_phong", "blinn"]
+    bpy.data.objects.remove(thing)
+
+
+@pytest.fixture
+def one_table(tmp_path):
+    """A folder with an old file in place of one table, in use for the test."""
+    tables.use_folder(tmp_path)
+    tables.TABLES["phong_plain"].path.write_bytes(b"an older table")
+    yield tables.TABLES["phong_plain"].path
+    tables.use_folder()
+
+
+def test_cancelled_bake_leaves_the_old_table(bpy, one_table):
+    from addon.blender import luts
+
+    luts.job = luts.BakeJob(["phong_plain"])
+    luts.job.start()
+    while luts.job.done < 2:
+        assert luts.job.running
+    log = drawn(context_for(bpy, make_without_tables()))
+    assert any(name == "progress" and 0.0 < given["factor"] < 1.0 for name, given in log)
+    assert not bpy.ops.plausible.bake_luts.poll(), "one bake at a time"
+    assert bpy.ops.plausible.cancel_bake() == {"FINISHED"}
+    luts.job.wait()
+    assert luts.job.cancelled and luts.job.error is None
+    assert one_table.read_bytes() == b"an older table" and list(one_table.parent.iterdir()) == [one_table]
+
+
+def make_without_tables():
+    """A material whose model reads tables, although there are none: its model is changed behind the scenes."""
+    from addon.blender import materials, osl
+
+    material = make("phong")
+    materials.script_node(material)[osl.MODEL_KEY] = "pumped_phong"
+    return material
+
+
+def test_bake_makes_the_shipped_table(bpy, one_table):
+    import numpy as np
+
+    from addon.blender import luts
+
+    assert luts.problem(["phong_plain"])
+    job = luts.BakeJob(["phong_plain"])
+    job.start()
+    job.wait()
+    assert job.error is None and not job.cancelled and job.share == 1.0
+    assert luts.problem(["phong_plain"]) is None
+    baked = tables.load(tables.TABLES["phong_plain"])
+    tables.use_folder()
+    np.testing.assert_allclose(baked, tables.load(tables.TABLES["phong_plain"]), rtol=1e-6)
+
+
+def test_failed_bake_is_reported(bpy, monkeypatch, capsys):
+    from addon.baking import bake
+    from addon.blender import luts
+
+    def broken(names, workers):
+        yield 1, 2, "phong_plain"
+        raise OSError("the disk is full")
+
+    monkeypatch.setattr(bake, "bake", broken)
+    with pytest.raises(RuntimeError, match="the disk is full"):
+        bpy.ops.plausible.bake_luts()
+    assert isinstance(luts.job.error, OSError)
+
+
+def test_update_materials_compiles_anew(bpy):
+    from addon.blender import materials
+
+    material = make("pumped_phong", exponent=33.0)
+    node = materials.script_node(material)
+    right, node.bytecode = node.bytecode, "stale"
+    assert bpy.ops.plausible.update_materials() == {"FINISHED"}
+    assert node.bytecode == right and material.plausible_brdf.exponent == 33.0

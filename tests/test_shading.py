@@ -1,0 +1,164 @@
+"""Shader sources: their signatures against the declarations, and what assembling puts into them."""
+import json
+import re
+
+import numpy as np
+import pytest
+
+from addon.brdf import MODELS, TableError, tables
+from addon.shading import source
+
+SIGNATURE = re.compile(r"^shader (\w+)\((.*?)\)\n\{", re.MULTILINE | re.DOTALL)
+INPUT = re.compile(r"(float|int|color|normal) (\w+) = (color\([^)]*\)|[-\d.]+) \[\[(.*?)\]\]$", re.DOTALL)
+HINT = re.compile(r'(string|float|int) (\w+) = ("[^"]*"|[-\d.]+)')
+TYPES = {"float": "float", "int": "int", "bool": "int", "enum": "int", "color": "color", "vector": "normal"}
+
+
+def signature(model):
+    """(shader name, [(type, name, default, hints)], what follows the inputs), parsed from a model's own file."""
+    text = source.shader_path(model).read_text(encoding="utf-8")
+    (name, inside), = SIGNATURE.findall(text)
+    parts = [part.strip() for part in re.split(r",\n", inside)]
+    inputs, rest = [], []
+    for part in parts:
+        found = INPUT.fullmatch(part)
+        if not found or rest:
+            rest.append(part)
+            continue
+        kind, identifier, default, hints = found.groups()
+        inputs.append((kind, identifier, default, {key: value.strip('"') for _, key, value in HINT.findall(hints)}))
+    return name, inputs, rest
+
+
+def numbers(kind, text):
+    """An OSL default as the registry's value."""
+    values = [float(x) for x in re.findall(r"-?\d+\.?\d*", text)]
+    if kind in ("color", "normal"):
+        return tuple(values * 3 if len(values) == 1 else values)
+    return int(values[0]) if kind == "int" else values[0]
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
+def test_signature_is_the_declaration(model):
+    name, inputs, rest = signature(model)
+    assert name == model.id
+    assert [identifier for _, identifier, _, _ in inputs] == [parameter.id for parameter in model.parameters]
+    assert rest == ["DATA_PARAMETERS", "output closure color BSDF = 0"]
+    for (kind, _, default, hints), parameter in zip(inputs, model.parameters, strict=True):
+        assert kind == TYPES[parameter.kind], parameter.id
+        assert numbers(kind, default) == parameter.default, parameter.id
+        assert hints["label"] == parameter.label, parameter.id
+        assert ("widget" in hints) == (parameter.kind == "bool"), parameter.id
+        if parameter.kind in ("float", "int", "enum"):
+            assert float(hints["min"]) == parameter.minimum and float(hints["max"]) == parameter.maximum, parameter.id
+        else:
+            assert "min" not in hints and "max" not in hints, parameter.id
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
+@pytest.mark.parametrize("lut", [source.COMPILED, source.FILE])
+def test_assembled_source_stands_alone(model, lut):
+    text = source.assemble(model, lut)
+    assert "#include" not in text and len(SIGNATURE.findall(text)) == 1
+    # Every header once, the model's own among them: a header is known by its first line.
+    own = re.findall(r'#include "(.+)"', source.shader_path(model).read_text(encoding="utf-8"))
+    headers = sorted((source.shader_path(model).parent / "include").glob("*.h"))
+    for header in headers:
+        times = text.count(header.read_text(encoding="utf-8").split("\n")[0] + "\n")
+        assert times == 1 if f"include/{header.name}" in own else times <= 1, header.name
+    assert 8 < len(own) < len(headers)
+    assert text.count("#define DATA_PARAMETERS") == 1
+    assert ("#define TABLE_FILE" in text) == (lut == source.FILE and bool(model.tables))
+    assert source.assemble(model, lut) == text
+
+
+def array(text, name):
+    """Numbers of an array parameter, its declared length checked."""
+    length, inside = re.search(rf"\b{name}\[(\d+)\] = \{{([^}}]*)\}}", text).groups()
+    values = np.array([float(x) for x in inside.split(",")])
+    assert len(values) == int(length)
+    return values
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
+def test_compiled_source_holds_the_tables(model):
+    text = source.assemble(model)
+    assert source.assemble(model, source.COMPILED) == text
+    assert ".exr" not in text
+    names = {tables.TABLES[name].control: name for name in model.tables}
+    for control, mode in ((False, "plain"), (True, "controlled")):
+        values = array(text, f"table_{mode}")
+        if control not in names:
+            np.testing.assert_array_equal(values, 0.0)
+            assert f"AXES_{mode.upper()} Axes" not in text
+            continue
+        table = tables.TABLES[names[control]]
+        # Six digits: 5e-6.
+        np.testing.assert_allclose(values, tables.load(table).ravel(), rtol=5.1e-6)
+        axes = re.search(rf"#define AXES_{mode.upper()} Axes\((.*)\)", text)[1]
+        c, r = table.columns, table.rows
+        assert [float(x) for x in axes.split(",")] == [c.columns, c.grazing, c.normal, r.rows, r.density, r.law,
+                                                       table.stamp]
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
+def test_file_source_names_the_tables(model):
+    text = source.assemble(model, source.FILE)
+    for name in model.tables:
+        table = tables.TABLES[name]
+        mode = "controlled" if table.control else "plain"
+        assert f'string table_{mode} = "{table.path.as_posix()}"' in text
+        assert f"float table_{mode}[" not in text.split("#define DATA_PARAMETERS")[1].split("\n")[0]
+    if not model.tables:
+        assert "string table_" not in text and ".exr" not in text
+    if model.tables:
+        assert len(text) < 0.4 * len(source.assemble(model))
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
+def test_base_lobes_of_the_family_are_put_in(model):
+    base = json.loads((source._OSL.parent / "luts" / "base_lobes.json").read_text(encoding="utf-8"))
+    text = source.assemble(model, source.FILE)
+    own = base["families"][model.lobe.id]
+    np.testing.assert_allclose(array(text, "base_widths"), base["features"])
+    vectors = re.search(r"\bvector base_table\[(\d+)\] = \{(.*?)\}", text)
+    values = np.array([float(x) for x in re.findall(r"-?[\d.]+(?:e-?\d+)?", vectors[2])])
+    assert len(values) == 3 * int(vectors[1]) == len(own["table"])
+    np.testing.assert_allclose(values, own["table"], rtol=5e-6)
+    macros = {name: float(value) for name, value in re.findall(r"#define BASE_(\w+) ([\d.]+)\n", text)}
+    assert (macros["U"], macros["V"], macros["FEATURES"]) == (own["u_nodes"], own["v_nodes"], len(base["features"]))
+    assert len(own["table"]) == 3 * macros["STRIDE"] * macros["U"] * macros["V"] * macros["FEATURES"]
+    # A ramp beside the plane of incidence is two closures with one set of colours.
+    ramps = array(text, "base_ramps").reshape(-1, 5)
+    assert len(ramps) == macros["RAMPS"] == sum(2 if r["side"] else 1 for r in own["ramps"])
+    for lean, sharp, side, crease, index in ramps:
+        closure = own["ramps"][int(index)]
+        assert (lean, sharp, abs(side), crease) == tuple(closure[name] for name in ("lean", "sharp", "side", "crease"))
+    assert ramps[:, 2].sum() == 0.0
+    assert macros["LEVELS"] == 8 * (macros["SETS"]) == 8 * len(own["ramps"]) and macros["FACETS"] == len(own["facets"])
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
+def test_a_hit_has_room_for_its_closures(model):
+    """Cycles has 64 places, a phong_ramp takes three of them, and a material may hold other shaders too."""
+    own = json.loads((source._OSL.parent / "luts" / "base_lobes.json").read_text(encoding="utf-8"))["families"]
+    base = own[model.lobe.id]
+    ramps = sum(2 if r["side"] else 1 for r in base["ramps"])
+    splats = next(p.maximum for p in model.parameters if p.id == "samples")
+    assert 3 * (ramps + splats) + len(base["facets"]) <= 48
+
+
+def test_unknown_lut():
+    for lut in ("texture", "", None):
+        with pytest.raises(ValueError, match="compiled, file") as caught:
+            source.assemble(MODELS["phong"], lut)
+        assert repr(lut) in str(caught.value)
+
+
+def test_a_table_that_cannot_be_used(table_folder):
+    with pytest.raises(TableError, match="missing") as caught:
+        source.assemble(MODELS["pumped_blinn"])
+    assert str(table_folder) in str(caught.value)
+    # File materials find out when they render, and the unpumped models need no table.
+    assert str(table_folder) in source.assemble(MODELS["pumped_blinn"], source.FILE)
+    assert source.assemble(MODELS["blinn"])
