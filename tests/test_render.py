@@ -63,8 +63,8 @@ def name_of(value):
     if not isinstance(value, dict):
         return str(value)
     control = {True: "controlled", False: "plain", None: ""}[value.get("control")]
-    return " ".join(f"n={v:g}" if k == "exponent" else f"pumps={v:g}" for k, v in value.items() if k != "control") \
-        + f" {control}".rstrip()
+    return " ".join(f"{'n' if k == 'exponent' else k}={v if isinstance(v, str) else format(v, 'g')}"
+                    for k, v in value.items() if k != "control") + f" {control}".rstrip()
 
 
 def cosines(angles_deg):
@@ -442,8 +442,8 @@ def test_hdri(coarse_hdri, name, model, parameters):
 # Rough treatment.
 
 DEFAULT = ("pumped_phong", shape(20.0, 1.0, True))
-# One sample of the widest lobes at grazing: where the base is low, a splat may take away more in it.
-LOWEST_SAMPLE, LARGEST_SAMPLE, NEGATIVE_LIGHT = -4.0, 6.0, 0.02
+# The base lobes end below zero here and there, by a trifle that one sample of a white sky may show far out on a lobe.
+LOWEST_SAMPLE, LARGEST_SAMPLE, NEGATIVE_LIGHT = -0.5, 6.0, 1e-3
 
 
 def plane(material, view_deg, samples=256, resolution=16, seed=0, sky=1.0, arrange=None):
@@ -489,6 +489,20 @@ def test_single_samples_are_finite_and_bounded(model, view_deg):
         assert pixels.max() <= LARGEST_SAMPLE, (chosen, pixels.max())
         assert pixels.min() >= LOWEST_SAMPLE and -pixels[pixels < 0.0].sum() <= NEGATIVE_LIGHT * pixels.sum(), chosen
         assert plane(create_material(model, **chosen), view_deg, samples=16).min() >= 0.0
+
+
+@pytest.mark.parametrize("model, parameters", [
+    *[(model, shape(n, 3.0, False)) for model in PUMPED for n in (1.0, 7.0, 150.0)],
+    ("pumped_phong", {"exponent": 7.0, "fresnel_type": "schlick", "base_color": 0.04}),
+], ids=name_of)
+def test_no_lamp_makes_a_sample_negative(model, parameters):
+    """A sun of no size shows the closures' sum at one light, sample by sample: at none may holes outweigh the base."""
+    material = create_material(model, **parameters)
+    for view_deg in (40.0, 80.0):
+        for light in verify.in_plane([view_deg - 40.0, view_deg - 15.0, view_deg, min(view_deg + 15.0, 88.0)]):
+            pixels = plane(material, view_deg, samples=1, resolution=64, sky=0.0, arrange=lambda place, light=light:
+                           place.shine("SUN", light, energy=room.SUN_ENERGY, angle=0.0))
+            assert pixels.min() >= -1e-3 * pixels.max(), (view_deg, light, pixels.min(), pixels.max())
 
 
 @pytest.mark.parametrize("model", list(brdf.MODELS))
@@ -792,7 +806,7 @@ def test_a_planted_error_is_found(monkeypatch, error):
 
 def test_missing_splats_are_found(monkeypatch):
     """They carry no energy in the mean, so a single direction has to tell: on the crease at a grazing view."""
-    plant(monkeypatch, r"sum \+= splats\(", "splats(")
+    plant(monkeypatch, r"return sum \+ base_closures\(", "return base_closures(")
     model, parameters = "pumped_blinn", DEFAULT[1]
     view, lights = view_at(cosines([80.0])), verify.in_plane([80.0])
     f, _ = verify.goniometer(create_material(model, **parameters), 80.0, lights, samples=256)

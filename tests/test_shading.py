@@ -135,7 +135,7 @@ def test_base_lobes_of_the_family_are_put_in(model):
         closure = own["ramps"][int(index)]
         assert (lean, sharp, abs(side), crease) == tuple(closure[name] for name in ("lean", "sharp", "side", "crease"))
     assert ramps[:, 2].sum() == 0.0
-    assert macros["LEVELS"] == 8 * (macros["SETS"]) == 8 * len(own["ramps"]) and macros["FACETS"] == len(own["facets"])
+    assert macros["LEVELS"] == 9 * macros["SETS"] == 9 * len(own["ramps"]) and macros["FACETS"] == len(own["facets"])
 
 
 @pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))

@@ -1,7 +1,7 @@
 """Base lobes: what a shader hands to Cycles as closures of its own, which together are nearly the target.
 
 The estimator (see `osl/include/estimator.h`) adds what the base leaves over, of either sign, so the base decides noise,
-blur and cost, and hardly the mean: only of what is too much for splats, far out at grazing. Most of it is `phong_ramp`:
+blur and cost, and hardly the mean: where it is above the target by more than splats can take away. Most of it is `phong_ramp`:
 its eight colours make it any function of the distance from its axis, and Cycles lets them be negative, so a few of them
 about the mirror direction follow nearly any lobe.
 
@@ -9,7 +9,9 @@ A target is f_0 gain(M) min(1, N·L / N·V) with M = max(N·L, N·V) and gain(M)
 gain at a few cosines M (`FEATURES`), with coefficients that depend on the view angle and the exponent. Scaled by the
 lobe's width 1 / sqrt(m), m being the exponent of the equivalent Phong lobe, they change slowly with both; the shader
 interpolates between nodes of u, which stands for the view (see `Family`), and v, a power of n. At each node linear
-least squares find the coefficients whose remainder gives the estimator least variance, for all gains in `GAINS`.
+least squares find the coefficients whose remainder gives the estimator least variance, for all gains in `GAINS`; in
+some rounds, each of which weighs more heavily where the last one was further above the target than splats can take
+away, or below zero.
 """
 import json
 import os
@@ -25,8 +27,12 @@ FILE = "base_lobes.json"
 
 DRAWN = 0.6  # exponent of the lobe that splats are drawn from, in parts of n: wider, as what is left over is
 FAINTEST = 1e-3  # of that lobe's peak, added to it: far out on the lobe nothing is ever drawn
-RIDGE = 1e-6  # on the squares of coefficients: those of neighbouring nodes then go together, and may be blended
 GRAZING = 0.3  # of the lobe's scale: how far the mean of N·L over a lobe at grazing lies above N·V
+HOLE = 0.4  # radius of the widest splats that take away, in parts of the lobe's width
+HOLE_EDGE = 1.3  # where such a splat ends, in parts of its radius: above the horizon
+ABOVE, BELOW = 30.0, 1e4  # how much more it counts to be above the target by more than holes take, or below 0
+ROUNDS = 8
+HORIZON = 48  # lights on the horizon
 FEATURES = (0.0, 0.8, 2.5)  # widths from the mirror direction towards the normal where the gain is read
 HIGHEST = 1e5  # exponent at v = 0
 LEVELS = 8  # colours of a phong_ramp
@@ -79,7 +85,8 @@ class Family:
 
     With `plain`, phong_ramp itself is f_0 (N·L), and only the rest is fitted. Nodes are even in v = n^-power and in
     u = (w / (1 + w) + theta / (pi/2)) / 2, w = tan(theta) / sqrt(m): the slope at the crease, in parts of the lobe's
-    width, goes with w, and the shape of what is around it with theta.
+    width, goes with w, and the shape of what is around it with theta. `ridge` counts on the squares of coefficients:
+    those of neighbouring nodes then go together, and may be blended.
     """
 
     lobe: object
@@ -89,10 +96,16 @@ class Family:
     u_nodes: int
     v_nodes: int
     power: float
+    ridge: float
 
     def phong_exponent(self, n):
         """Exponent m of the Phong lobe that is as wide."""
         return n if self.lobe is PHONG else 0.25 * n
+
+    def width(self, mu_view, n):
+        """Width of the lobe where it is narrowest, in radians: a half-vector lobe's shrinks with N·V, across."""
+        s = 1.0 / np.sqrt(self.phong_exponent(n))
+        return s if self.lobe is PHONG else s * min(mu_view + 0.15 * s, 1.0)
 
     @property
     def columns(self):
@@ -101,11 +114,11 @@ class Family:
 
 
 FAMILIES = {
-    "phong": Family(PHONG, (Ramp(0.0), Ramp(0.0, 2.0, 1.0), Ramp(0.45, 1.5), Ramp(0.9, 2.0), Ramp(0.7, crease=3)), (),
-                    plain=True, u_nodes=25, v_nodes=17, power=0.5),
+    "phong": Family(PHONG, (Ramp(0.0), Ramp(0.0, 2.0, 1.0), Ramp(0.45), Ramp(0.7, crease=5)), (),
+                    plain=True, u_nodes=25, v_nodes=17, power=0.5, ridge=1e-7),
     "blinn": Family(BLINN, (Ramp(0.0, 1.5), Ramp(0.5), Ramp(-0.25, 4.0), Ramp(0.25, 2.0), Ramp(1.2),
                             Ramp(1.0, crease=3)), (Facet(0.0, 1.0), Facet(0.1, 1.25)),
-                    plain=False, u_nodes=28, v_nodes=25, power=0.25),
+                    plain=False, u_nodes=28, v_nodes=25, power=0.25, ridge=1e-5),
 }
 
 
@@ -206,13 +219,16 @@ def lights(family: Family, view, n):
     """Light directions (N, 3) above the horizon and their solid angles (N,), over the target and all of its closures.
 
     A half-vector lobe at grazing is oblong and leaves out much that round closures reach: half of the lights are spread
-    over it, half as over the Phong lobe that is as wide.
+    over it, half as over the Phong lobe that is as wide. A few lie on the horizon, where closures that lean may end
+    below zero.
     """
     light, angle = _lights(PHONG, view, family.phong_exponent(n))
-    if family.lobe is PHONG:
-        return light, angle
-    own, own_angle = _lights(BLINN, view, n)
-    return np.concatenate([light, own]), 0.5 * np.concatenate([angle, own_angle])
+    if family.lobe is BLINN:
+        own, own_angle = _lights(BLINN, view, n)
+        light, angle = np.concatenate([light, own]), 0.5 * np.concatenate([angle, own_angle])
+    phi = np.pi * (np.arange(HORIZON) + 0.5) / HORIZON
+    horizon = np.stack([-np.cos(phi), np.sin(phi), np.full(HORIZON, 1e-3)], axis=-1)
+    return np.concatenate([light, horizon]), np.append(angle, np.full(HORIZON, 0.5 * angle.mean()))
 
 
 def _lights(lobe, view, n, rings=40, around=24):
@@ -244,29 +260,46 @@ def columns(family: Family, view, light, m):
 
 def fit_node(family: Family, u, v):
     """Coefficients (FEATURES, columns) of one node, and what each feature leaves over (FEATURES,), see `_left`."""
-    from scipy.optimize import lsq_linear
-
     view, n = view_of(family, u, v)
     light, share = lights(family, view, n)
     features, targets, whole = _targets(family, view, light, n)
     energy = whole @ share
-    features, targets = features / energy[:, None], targets / energy[:, None]
+    features, targets, whole = (x / energy[:, None] for x in (features, targets, whole))
     closures = columns(family, view, light, family.phong_exponent(n))
     drawn = family.lobe.pdf(np.broadcast_to(view, light.shape), light, DRAWN * n)
     # The splats' variance is the integral of the squared remainder over what it is drawn with.
     weight = share * (share @ drawn) / (drawn + FAINTEST * drawn.max())
-    used = share @ closures > 1e-12 * energy[0]
+    # What a hole takes away (see estimator.h) of a base as high as the target, and half of it to be safe.
+    hole = np.minimum(HOLE * family.width(view[2], n), np.maximum(light[:, 2], 0.0) / HOLE_EDGE)
+    taken = 0.5 * np.pi * hole**2 * drawn * whole
+    weights, goals = np.tile(weight, (len(GAINS), 1)), targets
+    for _ in range(ROUNDS):
+        coefficients = _solve(family, features, goals, closures, weights, share)
+        remainder = targets - features @ coefficients @ closures.T
+        # Besides remainder^2 there count ABOVE (-remainder - taken)^2 and BELOW base^2, where the last round made them.
+        above, below = -remainder > taken, remainder > whole
+        goals = targets + np.where(above, ABOVE / (1.0 + ABOVE) * taken, 0.0)
+        goals = np.where(below, targets - BELOW / (1.0 + BELOW) * whole, goals)
+        weights = weight * (1.0 + np.where(below, BELOW, np.where(above, ABOVE, 0.0)))
+    return coefficients, _left(features, np.abs(remainder) @ share, energy)
+
+
+def _solve(family, features, goals, closures, weights, share):
+    """Coefficients (FEATURES, columns) whose closures are nearest to `goals` (GAINS, N) with `weights` (GAINS, N)."""
+    from scipy.optimize import lsq_linear
+
+    used = share @ closures > 1e-12
     seen = closures[:, used]
-    # One matrix for all gains: coefficient c of feature f counts features[g, f] seen[:, c] in the target of gain g.
-    square = np.kron(features.T @ features, seen.T * weight @ seen) / len(GAINS)
-    wanted = (features.T @ (targets * weight) @ seen).ravel() / len(GAINS)
-    root = np.linalg.cholesky(square + RIDGE * np.eye(len(square)))
+    # Coefficient c of feature f counts features[g, f] seen[:, c] in the goal of gain g.
+    square = sum(np.kron(np.outer(f, f), seen.T * w @ seen) for f, w in zip(features, weights, strict=True))
+    wanted = sum(np.kron(f, (w * goal) @ seen) for f, w, goal in zip(features, weights, goals, strict=True))
+    root = np.linalg.cholesky(square / len(GAINS) + family.ridge * np.eye(len(square)))
     positive = np.tile(np.flatnonzero(used) >= LEVELS * len(family.ramps), len(FEATURES))
-    found = lsq_linear(root.T, np.linalg.solve(root, wanted), (np.where(positive, 0.0, -np.inf), np.inf), "bvls")
+    found = lsq_linear(root.T, np.linalg.solve(root, wanted / len(GAINS)),
+                       (np.where(positive, 0.0, -np.inf), np.inf), "bvls")
     coefficients = np.zeros((len(FEATURES), family.columns))
     coefficients[:, used] = found.x.reshape(len(FEATURES), -1)
-    remainder = targets - features @ coefficients @ closures.T
-    return coefficients, _left(features, np.abs(remainder) @ share, energy)
+    return coefficients
 
 
 def _targets(family, view, light, n):
@@ -295,15 +328,18 @@ def _left(features, size, energy):
 
 
 def _fit_job(job):
+    from threadpoolctl import threadpool_limits
+
     family_id, i, j = job
     family = FAMILIES[family_id]
-    return fit_node(family, i / (family.u_nodes - 1), j / (family.v_nodes - 1))
+    with threadpool_limits(1):  # there is a process on every core already
+        return fit_node(family, i / (family.u_nodes - 1), j / (family.v_nodes - 1))
 
 
 def fit(workers=None):
     """Fit every node of every family and write the file, a generator that yields (nodes done, nodes in all).
 
-    Needs SciPy.
+    Needs SciPy and threadpoolctl.
     """
     # At normal incidence N.L is never the larger cosine and all gains are one: with `plain` nothing is left to fit.
     first = {name: 1 if family.plain else 0 for name, family in FAMILIES.items()}
@@ -327,7 +363,7 @@ def fit(workers=None):
 def _document(found):
     return {
         "about": "Cycles' closures near each target, by least squares; see addon/baking/base.py",
-        "drawn": DRAWN, "grazing": GRAZING, "features": FEATURES,
+        "drawn": DRAWN, "hole": HOLE, "grazing": GRAZING, "features": FEATURES,
         "families": {
             name: {
                 "ramps": [asdict(r) for r in family.ramps], "facets": [asdict(f) for f in family.facets],

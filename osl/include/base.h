@@ -5,6 +5,7 @@
 // which it lets be negative.
 
 #define LEVELS 8
+#define SLOTS 9  // numbers of a ramp in the table: the levels and one more
 #define BASE_PARAMETERS float widths[], float ramps[], float facets[], vector table[]
 #define BASE_ARGUMENTS widths, ramps, facets, table
 #define BASE_DATA base_widths, base_ramps, base_facets, base_table
@@ -18,7 +19,9 @@ struct Base {
     vector axis[BASE_RAMPS];               // mirror direction of its normal
     vector facet[BASE_RAMPS];              // its normal
     float exponent[BASE_RAMPS];
-    float level[BASE_LEVELS];
+    float level[BASE_LEVELS];              // SLOTS of each
+    float mean[BASE_SETS];                 // of the ramp, and of its size
+    float size[BASE_SETS];
     float weight[BASE_FACET_ROOM];         // Beckmann microfacets
     vector tilted[BASE_FACET_ROOM];        // their normals
     float alpha2[BASE_FACET_ROOM];
@@ -54,19 +57,22 @@ void blend_nodes(Hit hit, float scale, float gains[BASE_FEATURES], vector table[
     int j = min((int)v, BASE_V - 2);
     u -= i;
     v -= j;
+    // Corners of the triangle: the way along the greater of u and v first.
+    int middle = u > v ? (i + 1) * BASE_V + j : i * BASE_V + j + 1;
+    int begin = (i * BASE_V + j) * BASE_FEATURES;
+    int end = begin + (BASE_V + 1) * BASE_FEATURES;
     for (int e = 0; e < BASE_STRIDE; e += 1)
         sums[e] = 0.0;
-    for (int corner = 0; corner < 3; corner += 1) {
-        float share = corner == 0 ? 1.0 - max(u, v) : (corner == 1 ? abs(u - v) : min(u, v));
-        int di = corner == 2 || (corner == 1 && u > v);
-        int dj = corner == 2 || (corner == 1 && u <= v);
-        int node = ((i + di) * BASE_V + j + dj) * BASE_FEATURES;
-        for (int q = 0; q < BASE_FEATURES; q += 1) {
-            float k = share * gains[q];
-            int first = (node + q) * BASE_STRIDE;
-            if (k > 1e-6)
-                for (int e = 0; e < BASE_STRIDE; e += 1)
-                    sums[e] += k * table[first + e];
+    for (int q = 0; q < BASE_FEATURES; q += 1) {
+        if (gains[q] > 1e-6) {
+            float a = gains[q] * (1.0 - max(u, v));
+            float b = gains[q] * abs(u - v);
+            float c = gains[q] * min(u, v);
+            int at_a = (begin + q) * BASE_STRIDE;
+            int at_b = (middle * BASE_FEATURES + q) * BASE_STRIDE;
+            int at_c = (end + q) * BASE_STRIDE;
+            for (int e = 0; e < BASE_STRIDE; e += 1)
+                sums[e] += a * table[at_a + e] + b * table[at_b + e] + c * table[at_c + e];
         }
     }
 }
@@ -82,15 +88,26 @@ void make_base(output Base b, Hit hit, Correction c, TABLE(table_p), TABLE(table
     blend_nodes(hit, scale, gains, table, sums);
     b.left = max(sums[2][2], 0.0) / max(mirror, 1e-9);
     int faint[BASE_SETS];
-    for (int s = 0; s < BASE_SETS; s += 1) {
-        float largest = 0.0;
-        for (int k = 0; k < LEVELS; k += 1) {
-            int e = k / 3;
-            float x = sums[3 * s + e][k - 3 * e] / mean + (s == 0 ? plain : 0.0);
-            b.level[LEVELS * s + k] = x;
-            largest = max(largest, abs(x));
-        }
-        faint[s] = largest * mean < FAINT * mirror;
+    float unit = 1.0 / mean;
+    for (int i = 0; i < BASE_SETS; i += 1) {
+        vector least = i == 0 ? vector(plain) : vector(0.0);
+        vector low = unit * sums[3 * i] + least;
+        vector middle = unit * sums[3 * i + 1] + least;
+        vector high = unit * sums[3 * i + 2] + least;
+        int at = SLOTS * i;
+        b.level[at] = low[0];
+        b.level[at + 1] = low[1];
+        b.level[at + 2] = low[2];
+        b.level[at + 3] = middle[0];
+        b.level[at + 4] = middle[1];
+        b.level[at + 5] = middle[2];
+        b.level[at + 6] = high[0];
+        b.level[at + 7] = high[1];
+        vector one = vector(1.0);
+        vector last = vector(high[0], high[1], 0.0);
+        b.mean[i] = (dot(low + middle + last, one) - 0.5 * (low[0] + high[1])) / (LEVELS - 1);
+        b.size[i] = dot(abs(low) + abs(middle) + abs(last), one) / (LEVELS - 1);
+        faint[i] = b.size[i] * mean < FAINT * mirror;
     }
     float height = M_PI_2 - hit.theta;
     for (int i = 0; i < BASE_RAMPS; i += 1) {
@@ -106,8 +123,11 @@ void make_base(output Base b, Hit hit, Correction c, TABLE(table_p), TABLE(table
                 lean = max(min(ramps[at] * scale, hit.theta), 0.1 * scale);
                 float rise = log((LEVELS - 1) / ramps[at + 3]);
                 b.exponent[i] = rise / max(-log(max(cos(lean), 0.03)), rise / SHARPEST);
+                float lower = (hit.m + 2.0) / (b.exponent[i] + 2.0);
                 for (int k = 0; k < LEVELS; k += 1)
-                    b.level[LEVELS * s + k] *= (hit.m + 2.0) / (b.exponent[i] + 2.0);
+                    b.level[SLOTS * s + k] *= lower;
+                b.mean[s] *= lower;
+                b.size[s] *= lower;
             }
             b.axis[i] = vector(sin(lean - hit.theta), 0.0, cos(lean - hit.theta));
             if (ramps[at + 2] != 0.0) {
@@ -158,7 +178,7 @@ float base_value(Base b, vector view, vector light, vector h)
             float power = pow(max(dot(b.axis[i], light), 0.0), e);
             float x = (LEVELS - 1) * min(power, 1.0);
             int k = min((int)x, LEVELS - 2);
-            int at = LEVELS * b.sets[i] + k;
+            int at = SLOTS * b.sets[i] + k;
             sum += mix(b.level[at], b.level[at + 1], x - k) * (e + 2.0) / M_2PI * power
                  * max(dot(b.facet[i], light), 0.0);
         }
@@ -169,25 +189,38 @@ float base_value(Base b, vector view, vector light, vector h)
     return sum;
 }
 
+// The cosine that a ramp carries: its energy is the mean of its colours times that.
+float ramp_cosine(Base b, int i)
+{
+    return min(dot(b.facet[i], b.axis[i]) + BASE_GRAZING * inversesqrt(b.exponent[i]), 1.0);
+}
+
+float base_energy(Base b)
+{
+    float sum = 0.0;
+    for (int i = 0; i < BASE_RAMPS; i += 1)
+        if (b.sets[i] >= 0)
+            sum += b.mean[b.sets[i]] * ramp_cosine(b, i);
+    for (int i = 0; i < BASE_FACETS; i += 1)
+        sum += b.weight[i];
+    return max(sum, 1e-3);
+}
+
 closure color base_closures(Base b, Frame f, color tint)
 {
     closure color sum = 0;
     for (int i = 0; i < BASE_RAMPS; i += 1) {
         if (b.sets[i] >= 0) {
-            int first = LEVELS * b.sets[i];
-            float mean = -0.5 * (b.level[first] + b.level[first + LEVELS - 1]);
-            float size = 0.0;
-            for (int k = 0; k < LEVELS; k += 1) {
-                mean += b.level[first + k];
-                size += abs(b.level[first + k]);
-            }
-            // Cycles draws closures by their weights, not their colours: the weight is the energy. Those that take away
-            // are drawn as well: where they add something, they may be alone.
-            float cosine = dot(b.facet[i], b.axis[i]) + BASE_GRAZING * inversesqrt(b.exponent[i]);
-            float weight = max(max(mean, 0.1 * size) / (LEVELS - 1) * min(cosine, 1.0), 2e-3);
+            int first = SLOTS * b.sets[i];
+            // Cycles draws closures by their weights, not their colours: the weight is the energy, and less where
+            // the closure only mends the first one's shape. Those that take away are drawn as well: where they add
+            // something, they may be alone.
+            float drawn = max(b.mean[b.sets[i]], 0.1 * b.size[b.sets[i]]) * ramp_cosine(b, i);
+            float weight = max(i == 0 ? drawn : 0.3 * drawn, 2e-3);
+            float share = 1.0 / weight;
             color colours[LEVELS];
             for (int k = 0; k < LEVELS; k += 1)
-                colours[k] = b.level[first + k] / weight;
+                colours[k] = share * b.level[first + k];
             sum += weight * tint * phong_ramp(normalize(to_world(f, b.facet[i])), b.exponent[i], colours);
         }
     }

@@ -7,43 +7,78 @@
 //
 // whose expectation over the draws is the target f(V, L) (N.L), blurred only by the splat's width and only where the
 // base is not the target. A splat is a narrow phong_ramp of energy 1, lit by every light and sampled by Cycles with its
-// exact density; what it adds may be negative. p is wider than the lobe, as the remainder is. Weights are held to HEAVIEST:
-// what is beyond, far out on a lobe at grazing, is lost.
+// exact density. p is wider than the lobe, as the remainder is. Weights are held to HEAVIEST.
+//
+// Where the base is above the target the splat is a hole: it takes away, and is kept so wide that it is nowhere deeper
+// than the base is high, so that no sample of any light is negative. What no hole can take away, far out on a lobe, is
+// taken from the base as a whole: light is moved within the lobe, but none is made.
 //
 // A model includes one lobe_*.h, hit.h, one correction_*.h and base.h before this.
 
 #define NARROWEST 1.2e-3  // radians: in single precision narrower phong_ramps lose their shape
-#define SHALLOWEST 0.15   // radians: the widest splats that take away
-#define MUCH_LEFT 0.04    // of the energy: where all samples per hit are drawn
+#define MUCH_LEFT 0.08    // of the energy: where all samples per hit are drawn; proportionally less for
+#define WIDE 0.22         // radians: lobes wider than this, next to which splats are small
+#define LITTLE_LEFT 0.003 // of the energy: with less, splats are drawn at fewer hits, and are heavier
 #define HEAVIEST 2.0      // weight of all splats of a hit, in parts of the light that comes in
 #define UNSEEN 1e-5       // weight of a splat that is left out
 
 // A splat blurs what is left over, most of all the crease of the target where N.L = N.V. Its radius is the least of
 #define WIDEST 0.3        // of the lobe's width
-#define BLUR 0.0015       // of the lobe's width, over the part of the energy that is left over
-#define CREASE 0.04       // radians, over tan(theta), by which the target's slope changes at the crease
-#define BROADEST 0.045    // radians
+#define BLUR 0.004        // of the lobe's width, over the part of the energy that is left over
+#define CREASE 0.025      // radians, over tan(theta), by which the slope changes there, and over the root of the height
+#define APART 0.3         // of the angle to the crease, where that is more
 
-// A phong_ramp of energy 1 about c: its standard deviation is `radius`, across each of two directions.
-closure color splat(Hit hit, vector c, color weight, float radius)
+// A hole is flat and has an edge: its depth falls to SHOULDER of what it is in the middle at 1.06 radii, to 0 at 1.30.
+#define SHOULDER 0.57
+#define HOLE_SHOULDER 1.06
+#define HOLE_EDGE 1.30
+
+float largest(color c) { return max(c[0], max(c[1], c[2])); }
+
+// A phong_ramp of energy 1 about c. Its profile is that of a bell, with the standard deviation `radius` across each of
+// two directions, or, as a hole, the top of one.
+closure color splat(Hit hit, vector c, color weight, float radius, int hole)
 {
     vector h = normalize(hit.frame.view + c);
     float exponent = 1.0 / (radius * radius);
-    float size = max(abs(weight[0]), max(abs(weight[1]), abs(weight[2])));
+    float size = largest(abs(weight));
     // (e+2)/(2 pi) (R.L)^e (H.L) over the sphere is H.c. The closure's own weight must be positive.
     color shade = weight / (size * max(dot(h, c), 1e-3));
-    color colours[8] = {shade, shade, shade, shade, shade, shade, shade, shade};
+    color far = hole ? color(0.0) : shade;
+    color near = hole ? 2.0 * shade : shade;  // the energy of the inner four of eight levels is a half
+    color colours[8] = {far, far, far, far, near, near, near, near};
     return size * phong_ramp(normalize(to_world(hit.frame, h)), exponent, colours);
 }
 
+// How far the lobe falls from c to a hole's shoulder, away from the mirror direction or towards the horizon, and how deep
+// a hole may be at c for it: 0 to 1. The base is about as steep.
+float slope(Hit hit, vector c, float radius)
+{
+    vector outward = c - vector(-hit.frame.view[0], -hit.frame.view[1], hit.frame.view[2]);
+    vector down = vector(c[0] * c[2], c[1] * c[2], c[2] * c[2] - 1.0);
+    float low = SHOULDER;
+    for (int side = 0; side < 2; side += 1) {
+        vector way = side ? down : outward;
+        vector shoulder = normalize(c + HOLE_SHOULDER * radius * normalize(way - dot(way, c) * c));
+        low = min(low, lobe_value(hit.frame.view, shoulder, hit.n) * shoulder[2]
+                       / max(lobe_value(hit.frame.view, c, hit.n) * c[2], 1e-9));
+    }
+    return max(low, 0.0) / SHOULDER;
+}
+
+// The splats; `owed` is what should be taken away and cannot be.
 closure color splats(Hit hit, Correction c, Base base, color tint, Colour colour, vector numbers, int count,
-                     float spread, float left_over, normal geometric, TABLE(plain), TABLE(controlled))
+                     float chance, float spread, float left_over, normal geometric, output color owed, TABLE(plain), TABLE(controlled))
 {
     closure color sum = 0;
+    owed = 0.0;
     vector view = hit.frame.view;
     vector up = vector(dot(geometric, hit.frame.x), dot(geometric, hit.frame.y), dot(geometric, hit.frame.z));
-    float widest = min(min(WIDEST, BLUR / left_over) * lobe_width(view[2], hit.n),
-                       min(CREASE * view[2] / max(view[0], 1e-6), BROADEST));
+    float width = lobe_width(view[2], hit.n);
+    float widest = min(WIDEST, BLUR / left_over) * width;
+    vector mirror = vector(-view[0], -view[1], view[2]);
+    float peak = lobe_value(view, mirror, hit.n);
+    float on_crease = CREASE * view[2] / max(view[0], 1e-6);
     float n = BASE_DRAWN * hit.n;
     for (int k = 0; k < count; k += 1) {
         vector light = lobe_draw(view, lattice_u(numbers, k, count), lattice_v(numbers, k), n);
@@ -52,16 +87,28 @@ closure color splats(Hit hit, Correction c, Base base, color tint, Colour colour
         float height = min(light[2], dot(light, up));
         if (height > 0.0 && density > 0.0) {
             vector h = normalize(view + light);
-            float value = lobe_value(view, light, hit.n) * light[2] / correction(c, light[2], plain, controlled);
+            float lobe = lobe_value(view, light, hit.n);
+            float value = lobe * light[2] / correction(c, light[2], plain, controlled);
             float based = base_value(base, view, light, h);
             color left = value * fresnel_factor(colour, dot(view, h)) - based * tint;
-            color weight = clamp(left / density, -HEAVIEST, HEAVIEST) / count;
-            float radius = min(sqrt(0.5 / (M_PI * count * density)), widest);
-            // What takes away is no deeper than the base is high, mostly: together they stay positive.
-            float most = max(0.0, max(-left[0] / tint[0], max(-left[1] / tint[1], -left[2] / tint[2])));
-            radius = max(radius, min(sqrt(0.5 * most / (M_PI * max(based, 1e-9) * count * density)), SHALLOWEST));
-            if (max(abs(weight[0]), max(abs(weight[1]), abs(weight[2]))) > UNSEEN)
-                sum += splat(hit, light, weight, max(min(spread * radius, 0.5 * height), NARROWEST));
+            color weight = clamp(left / (chance * density), -HEAVIEST, HEAVIEST) / count;
+            float crease = max(on_crease * sqrt(peak / max(lobe, 1e-6 * peak)), APART * abs(acos(min(light[2], 1.0)) - hit.theta));
+            float radius = spread * min(sqrt(0.5 / (M_PI * count * density)), min(widest, crease));
+            // The largest part of the base's colour that is to be taken away.
+            float most = largest(max(-weight / max(tint, color(1e-6)), color(0.0)));
+            int hole = most > 0.0;
+            if (hole) {
+                // All holes of a hit may lie upon each other: each has a part of the height.
+                float wide = sqrt(most * count / (M_PI * max(based, 1e-9)));
+                radius = min(max(radius, 1.1 * wide), min(BASE_HOLE * width, height / HOLE_EDGE));
+                float kept = min(0.9 * M_PI * radius * radius / (count * most) * max(based, 0.0) * slope(hit, light, radius), 1.0);
+                color taken = min(weight, color(0.0));
+                owed -= (1.0 - kept) * taken;
+                weight -= (1.0 - kept) * taken;
+            } else
+                radius = min(radius, height / 3.0);
+            if (largest(abs(weight)) > UNSEEN)
+                sum += splat(hit, light, weight, max(radius, NARROWEST), hole);
         }
     }
     return sum;
@@ -72,12 +119,18 @@ closure color estimate(Hit hit, Correction c, Colour colour, vector numbers, int
 {
     Base base;
     make_base(base, hit, c, plain, controlled, BASE_ARGUMENTS);
-    color tint = fresnel_factor(colour, cos(hit.theta));
-    float left = base.left + fresnel_change(colour, hit.theta, hit.reach);
-    int draws = clamp((int)ceil(count * left / MUCH_LEFT), 1, count);
-    closure color sum = base_closures(base, hit.frame, tint);
+    color tint;
+    float left = base.left + fresnel_change(colour, hit.theta, inversesqrt(hit.m), tint);
+    int draws = clamp((int)ceil(count * left / (MUCH_LEFT * min(WIDE * sqrt(hit.m), 1.0))), 1, count);
     // Nothing is left over where the base is exact: plain Phong, without a Fresnel factor that changes over the lobe.
-    if (left > 1e-4)
-        sum += splats(hit, c, base, tint, colour, numbers, draws, spread, left, geometric, plain, controlled);
-    return sum;
+    float chance = min(left / LITTLE_LEFT, 1.0);
+    if (left <= 1e-4 || numbers[1] >= chance)
+        return base_closures(base, hit.frame, tint);
+    vector drawn = vector(numbers[0], numbers[1] / chance, 0.0);
+    color owed;
+    closure color sum = splats(hit, c, base, tint, colour, drawn, draws, chance, spread, left, geometric, owed,
+                               plain, controlled);
+    if (largest(owed) > 0.0)
+        tint = max(tint - owed / base_energy(base), color(0.0));
+    return sum + base_closures(base, hit.frame, tint);
 }

@@ -36,15 +36,17 @@ color fresnel_factor(Colour c, float mu)
     return c.f0;
 }
 
-// How much the factor changes over a lobe that falls to 1e-4 at the angle reach, in parts of what it is at the mirror
-// direction of a view at theta: at one width of the lobe to either side. V.H is the cosine of half the angle between
-// view and light.
-float fresnel_change(Colour c, float theta, float reach)
+// The factor that the base has, and by how much of itself the lobe's mean factor exceeds it: the least of the mirror
+// direction's and of those two lobe's widths to either side, so that what the base leaves over is rather something to
+// add. V.H is the cosine of half the angle between view and light: `width` to either side.
+float fresnel_change(Colour c, float theta, float width, output color least)
 {
+    color mirror = fresnel_factor(c, cos(theta));
+    least = mirror;
     if (c.choice == FRESNEL_CONSTANT)
         return 0.0;
-    color mirror = fresnel_factor(c, cos(theta));
-    color change = abs(fresnel_factor(c, cos(max(theta - 0.125 * reach, 0.0))) - mirror)
-                 + abs(fresnel_factor(c, cos(min(theta + 0.125 * reach, M_PI_2))) - mirror);
-    return 0.5 * (change[0] + change[1] + change[2]) / max(mirror[0] + mirror[1] + mirror[2], 1e-6);
+    least = min(mirror, min(fresnel_factor(c, cos(max(theta - width, 0.0))),
+                            fresnel_factor(c, cos(min(theta + width, M_PI_2)))));
+    color change = mirror - least;
+    return (change[0] + change[1] + change[2]) / max(mirror[0] + mirror[1] + mirror[2], 1e-6);
 }

@@ -5,7 +5,6 @@ struct Hit {
     float n;
     float m;
     float theta;
-    float reach;
 };
 
 Hit make_hit(Frame frame, float exponent)
@@ -15,6 +14,5 @@ Hit make_hit(Frame frame, float exponent)
     hit.n = exponent;
     hit.m = lobe_phong_exponent(exponent);
     hit.theta = acos(clamp(frame.view[2], 0.0, 1.0));
-    hit.reach = lobe_reach(exponent);
     return hit;
 }

@@ -21,9 +21,6 @@ vector lobe_draw(vector view, float u, float v, float n)
 // Exponent of the Phong lobe that is as wide, which scales the base lobes.
 float lobe_phong_exponent(float n) { return 0.25 * n; }
 
-// Angle from the mirror direction at which the lobe has fallen to 1e-4 of its peak.
-float lobe_reach(float n) { return min(2.0 * acos(pow(1e-4, 1.0 / n)), M_PI); }
-
 // Width of the lobe where it is narrowest, in radians: across the plane of incidence it shrinks with N.V.
 float lobe_width(float mu_view, float n)
 {

@@ -20,8 +20,5 @@ vector lobe_draw(vector view, float u, float v, float n)
 // Exponent of the Phong lobe that is as wide, which scales the base lobes.
 float lobe_phong_exponent(float n) { return n; }
 
-// Angle from the mirror direction at which the lobe has fallen to 1e-4 of its peak.
-float lobe_reach(float n) { return acos(pow(1e-4, 1.0 / n)); }
-
 // Width of the lobe where it is narrowest, in radians.
 float lobe_width(float mu_view, float n) { return 1.0 / sqrt(n); }

@@ -4,9 +4,8 @@
 // direction alone under an orthographic camera; the place within the triangle and the time tell such hits apart.
 vector hit_numbers(point hit, vector view, float place_u, float place_v)
 {
-    float first = hashnoise(vector(view), place_u + 3.0 * place_v);
-    float second = hashnoise(vector(place_u, place_v, time), 7.31 + first);
-    return vector(hashnoise(hit, first), hashnoise(hit, 11.5 + second), hashnoise(hit, 23.25 + 0.5 * (first + second)));
+    float apart = hashnoise(vector(place_u, place_v, time), view[0] + 3.0 * view[1] + 7.0 * view[2]);
+    return vector(hashnoise(hit, apart), hashnoise(hit, 11.5 + apart), 0.0);
 }
 
 // The k-th of count points of a lattice shifted by the hit's numbers: each is uniform, together they are spread out.
