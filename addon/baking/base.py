@@ -118,7 +118,7 @@ FAMILIES = {
                     plain=True, u_nodes=25, v_nodes=17, power=0.5, ridge=1e-7),
     "blinn": Family(BLINN, (Ramp(0.0, 1.5), Ramp(0.5), Ramp(-0.25, 4.0), Ramp(0.25, 2.0), Ramp(1.2),
                             Ramp(1.0, crease=3)), (Facet(0.0, 1.0), Facet(0.1, 1.25)),
-                    plain=False, u_nodes=28, v_nodes=25, power=0.25, ridge=1e-5),
+                    plain=False, u_nodes=28, v_nodes=25, power=0.25, ridge=3e-5),
 }
 
 

@@ -23,9 +23,9 @@
 #define UNSEEN 1e-5       // weight of a splat that is left out
 
 // A splat blurs what is left over, most of all the crease of the target where N.L = N.V. Its radius is the least of
-#define WIDEST 0.3        // of the lobe's width
+#define WIDEST 0.2        // of the lobe's width
 #define BLUR 0.004        // of the lobe's width, over the part of the energy that is left over
-#define CREASE 0.025      // radians, over tan(theta), by which the slope changes there, and over the root of the height
+#define CREASE 0.025      // radians, over tan(theta), by which the slope changes there, over the root of the root of the height
 #define APART 0.3         // of the angle to the crease, where that is more
 
 // A hole is flat and has an edge: its depth falls to SHOULDER of what it is in the middle at 1.06 radii, to 0 at 1.30.
