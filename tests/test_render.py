@@ -252,8 +252,7 @@ def peak_of(model, parameters, view):
 
 
 # What is left over at grazing views and of the widest lobes is grainy: noise of a mean over all pixels, of the peak.
-# And at 65 degrees the widest lobes are blurred by up to 3.3 % of it, beyond the bound.
-POINT_GRAINY, POINT_MISSED = 0.02, {1.5: 0.04}
+POINT_GRAINY = 0.02
 POINT_SHAPES = [(1.5, 2.0, False), (20.0, 1.0, True), (150.0, 2.0, False)]
 
 
@@ -263,15 +262,15 @@ def test_point_by_point(model, parameters, view_deg):
     view = view_at(cosines([view_deg]))
     lights = lights_about(model, parameters, view_deg)
     peak = peak_of(model, parameters, view)
-    f, noise = verify.goniometer(create_material(model, **parameters), view_deg, lights, samples=256)
+    grainy = view_deg >= 65.0 or parameters["exponent"] < 7.0
+    f, noise = verify.goniometer(create_material(model, **parameters), view_deg, lights, samples=1024 if grainy else 256)
     measured, noise = f * lights[:, 2:] / peak, noise * lights[:, 2:] / peak
     reference = rgb(brdf.MODELS[model].evaluate(view, lights, **parameters)) * lights[:, 2:] / peak
-    bound = POINT_MISSED.get(parameters["exponent"], POINT_BOUND)
-    if view_deg < 65.0 and parameters["exponent"] >= 7.0:
-        assert_good(verify.compare(measured, reference, noise, bound), POINT_NOISE)
+    if not grainy:
+        assert_good(verify.compare(measured, reference, noise, POINT_BOUND), POINT_NOISE)
         return
-    error = np.abs(measured - reference)  # 5 sigma are more than the bound here: a weaker verdict
-    assert noise.max() <= POINT_GRAINY and (error <= bound + SIGMAS * noise).all(), np.array2string(error[:, 0])
+    error = np.abs(measured - reference)  # 5 sigma may be more than the bound here: a weaker verdict
+    assert noise.max() <= POINT_GRAINY and (error <= POINT_BOUND + SIGMAS * noise).all(), np.array2string(error[:, 0])
 
 
 # Lamps and HDRIs: the light of the whole sphere and of three zones of it, from facing to grazing.
@@ -502,7 +501,8 @@ def test_no_lamp_makes_a_sample_negative(model, parameters):
         for light in verify.in_plane([view_deg - 40.0, view_deg - 15.0, view_deg, min(view_deg + 15.0, 88.0)]):
             pixels = plane(material, view_deg, samples=1, resolution=64, sky=0.0, arrange=lambda place, light=light:
                            place.shine("SUN", light, energy=room.SUN_ENERGY, angle=0.0))
-            assert pixels.min() >= -1e-3 * pixels.max(), (view_deg, light, pixels.min(), pixels.max())
+            brightest = np.pi * peak_of(model, parameters, view_at(cosines([view_deg])))
+            assert pixels.min() >= -1e-3 * brightest, (view_deg, light, pixels.min(), brightest)
 
 
 @pytest.mark.parametrize("model", list(brdf.MODELS))
@@ -732,7 +732,7 @@ def test_roughness_is_another_way_to_say_exponent():
     exponent = brdf.exponent_of_roughness(0.4)
     rough, sharp = (plane(create_material("pumped_phong", **given), 60.0, samples=16)
                     for given in ({"roughness": 0.4}, {"exponent": exponent}))
-    assert np.abs(rough - sharp).max() < 1e-4
+    assert np.abs(rough - sharp).mean() < 1e-5  # an exponent 1 % off makes 4e-4
 
 
 @pytest.mark.parametrize("name, wild, held", [
@@ -766,9 +766,9 @@ def test_without_light_spread(model):
     material = create_material(model, **parameters, light_spread=0.0, samples=8)
     assert_good(furnace_report(model, parameters, (25.0, 60.0, 80.0), material), FURNACE_NOISE)
     view = view_at(cosines([60.0]))
-    turn = np.radians([0.0, 10.0, 20.0])  # about the normal, away from the mirror direction
-    lights = np.stack([-view[0, 0] * np.cos(turn), view[0, 0] * np.sin(turn), np.full(3, view[0, 2])], axis=-1)
-    f, noise = verify.goniometer(material, 60.0, lights, samples=1 << 14)
+    turn = np.radians([0.0, 20.0])  # about the normal, away from the mirror direction
+    lights = np.stack([-view[0, 0] * np.cos(turn), view[0, 0] * np.sin(turn), np.full(2, view[0, 2])], axis=-1)
+    f, noise = verify.goniometer(material, 60.0, lights, samples=1 << 15)
     f, noise, reference = (x * lights[:, 2:] / peak_of(model, parameters, view)
                            for x in (f, noise, rgb(brdf.MODELS[model].evaluate(view, lights, **parameters))))
     assert_good(verify.compare(f, reference, noise, 0.2 * POINT_BOUND), POINT_NOISE)

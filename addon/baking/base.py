@@ -1,17 +1,16 @@
 """Base lobes: what a shader hands to Cycles as closures of its own, which together are nearly the target.
 
 The estimator (see `osl/include/estimator.h`) adds what the base leaves over, of either sign, so the base decides noise,
-blur and cost, and hardly the mean: where it is above the target by more than splats can take away. Most of it is `phong_ramp`:
-its eight colours make it any function of the distance from its axis, and Cycles lets them be negative, so a few of them
-about the mirror direction follow nearly any lobe.
+blur and cost, and hardly the mean. Most of it is `phong_ramp`: its eight colours make it any function of the distance
+from its axis, and Cycles lets them be negative, so a few of them about the mirror direction follow nearly any lobe.
 
 A target is f_0 gain(M) min(1, N·L / N·V) with M = max(N·L, N·V) and gain(M) = M / D(M). The colours are linear in the
 gain at a few cosines M (`FEATURES`), with coefficients that depend on the view angle and the exponent. Scaled by the
 lobe's width 1 / sqrt(m), m being the exponent of the equivalent Phong lobe, they change slowly with both; the shader
 interpolates between nodes of u, which stands for the view (see `Family`), and v, a power of n. At each node linear
-least squares find the coefficients whose remainder gives the estimator least variance, for all gains in `GAINS`; in
-some rounds, each of which weighs more heavily where the last one was further above the target than splats can take
-away, or below zero.
+least squares find the coefficients whose remainder gives the estimator least variance, for all gains in `GAINS`. That
+no sample be negative, it counts besides how far the base is below zero, and how far above the target beyond what holes
+take away, both squared: a convex problem, which a few rounds solve, each with the weights that the last one calls for.
 """
 import json
 import os
@@ -28,9 +27,9 @@ FILE = "base_lobes.json"
 DRAWN = 0.6  # exponent of the lobe that splats are drawn from, in parts of n: wider, as what is left over is
 FAINTEST = 1e-3  # of that lobe's peak, added to it: far out on the lobe nothing is ever drawn
 GRAZING = 0.3  # of the lobe's scale: how far the mean of N·L over a lobe at grazing lies above N·V
-HOLE = 0.4  # radius of the widest splats that take away, in parts of the lobe's width
-HOLE_EDGE = 1.3  # where such a splat ends, in parts of its radius: above the horizon
-ABOVE, BELOW = 30.0, 1e4  # how much more it counts to be above the target by more than holes take, or below 0
+HOLE = 0.4  # radius of the widest holes, which are splats that take away, in parts of the lobe's width
+HOLE_EDGE = 1.3  # where a hole ends, in parts of its radius: above the horizon
+ABOVE, BELOW = 30.0, 1e4  # what more it counts to be above the target by more than holes take away, and below zero
 ROUNDS = 8
 HORIZON = 48  # lights on the horizon
 FEATURES = (0.0, 0.8, 2.5)  # widths from the mirror direction towards the normal where the gain is read
@@ -118,7 +117,7 @@ FAMILIES = {
                     plain=True, u_nodes=25, v_nodes=17, power=0.5, ridge=1e-7),
     "blinn": Family(BLINN, (Ramp(0.0, 1.5), Ramp(0.5), Ramp(-0.25, 4.0), Ramp(0.25, 2.0), Ramp(1.2),
                             Ramp(1.0, crease=3)), (Facet(0.0, 1.0), Facet(0.1, 1.25)),
-                    plain=False, u_nodes=28, v_nodes=25, power=0.25, ridge=3e-5),
+                    plain=False, u_nodes=28, v_nodes=33, power=0.25, ridge=1.5e-5),
 }
 
 
@@ -269,9 +268,9 @@ def fit_node(family: Family, u, v):
     drawn = family.lobe.pdf(np.broadcast_to(view, light.shape), light, DRAWN * n)
     # The splats' variance is the integral of the squared remainder over what it is drawn with.
     weight = share * (share @ drawn) / (drawn + FAINTEST * drawn.max())
-    # What a hole takes away (see estimator.h) of a base as high as the target, and half of it to be safe.
+    # What a hole takes away (see estimator.h) of a base as high as the target; a fifth of it, as its edge is blurred.
     hole = np.minimum(HOLE * family.width(view[2], n), np.maximum(light[:, 2], 0.0) / HOLE_EDGE)
-    taken = 0.5 * np.pi * hole**2 * drawn * whole
+    taken = 0.2 * np.pi * hole**2 * drawn * whole
     weights, goals = np.tile(weight, (len(GAINS), 1)), targets
     for _ in range(ROUNDS):
         coefficients = _solve(family, features, goals, closures, weights, share)

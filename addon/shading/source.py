@@ -65,8 +65,8 @@ def _base(family):
     ramps = [(r["lean"], r["sharp"], side, r["crease"], i) for i, r in enumerate(own["ramps"])
              for side in ((-r["side"], r["side"]) if r["side"] else (0.0,))]
     facets = [(f["lean"], f["sharp"]) for f in own["facets"]]
-    numbers = {"U": own["u_nodes"], "POWER": own["power"], "V": own["v_nodes"],
-               "FEATURES": len(base["features"]), "GRAZING": base["grazing"], "DRAWN": base["drawn"], "HOLE": base["hole"],
+    numbers = {"U": own["u_nodes"], "POWER": own["power"], "V": own["v_nodes"], "FEATURES": len(base["features"]),
+               "GRAZING": base["grazing"], "DRAWN": base["drawn"], "HOLE": base["hole"],
                "SETS": len(own["ramps"]), "STRIDE": own["stride"], "LEVELS": 9 * len(own["ramps"]),
                "RAMPS": len(ramps), "FACETS": len(facets), "FACET_ROOM": max(len(facets), 1),
                "PLAIN": int(own["plain"])}

@@ -226,6 +226,7 @@ closure color base_closures(Base b, Frame f, color tint)
     }
     for (int i = 0; i < BASE_FACETS; i += 1)
         if (b.weight[i] > 0.0)
-            sum += b.weight[i] * tint * microfacet("beckmann", normalize(to_world(f, b.tilted[i])), sqrt(b.alpha2[i]), 0.0, 0);
+            sum += b.weight[i] * tint
+                 * microfacet("beckmann", normalize(to_world(f, b.tilted[i])), sqrt(b.alpha2[i]), 0.0, 0);
     return sum;
 }

@@ -22,11 +22,12 @@
 #define HEAVIEST 2.0      // weight of all splats of a hit, in parts of the light that comes in
 #define UNSEEN 1e-5       // weight of a splat that is left out
 
-// A splat blurs what is left over, most of all the crease of the target where N.L = N.V. Its radius is the least of
+// A splat blurs what is left over. Its radius is the least of
 #define WIDEST 0.2        // of the lobe's width
 #define BLUR 0.004        // of the lobe's width, over the part of the energy that is left over
-#define CREASE 0.025      // radians, over tan(theta), by which the slope changes there, over the root of the root of the height
-#define APART 0.3         // of the angle to the crease, where that is more
+// and, as the target has a crease where N.L = N.V, of the greater of
+#define CREASE 0.025      // radians, over tan(theta), by which the slope changes there, and the root of the lobe's height
+#define APART 0.3         // of the angle to the crease
 
 // A hole is flat and has an edge: its depth falls to SHOULDER of what it is in the middle at 1.06 radii, to 0 at 1.30.
 #define SHOULDER 0.57
@@ -50,8 +51,8 @@ closure color splat(Hit hit, vector c, color weight, float radius, int hole)
     return size * phong_ramp(normalize(to_world(hit.frame, h)), exponent, colours);
 }
 
-// How far the lobe falls from c to a hole's shoulder, away from the mirror direction or towards the horizon, and how deep
-// a hole may be at c for it: 0 to 1. The base is about as steep.
+// How deep a hole at c may be, 0 to 1 of the base's height there, so that its shoulders are not deeper than the base: it
+// is taken to fall as the lobe does, away from the mirror direction and towards the horizon.
 float slope(Hit hit, vector c, float radius)
 {
     vector outward = c - vector(-hit.frame.view[0], -hit.frame.view[1], hit.frame.view[2]);
@@ -66,9 +67,10 @@ float slope(Hit hit, vector c, float radius)
     return max(low, 0.0) / SHOULDER;
 }
 
-// The splats; `owed` is what should be taken away and cannot be.
+// The splats of a hit that has them, by `chance`; `owed` is what should be taken away and cannot be.
 closure color splats(Hit hit, Correction c, Base base, color tint, Colour colour, vector numbers, int count,
-                     float chance, float spread, float left_over, normal geometric, output color owed, TABLE(plain), TABLE(controlled))
+                     float chance, float spread, float left_over, normal geometric, output color owed,
+                     TABLE(plain), TABLE(controlled))
 {
     closure color sum = 0;
     owed = 0.0;
@@ -91,17 +93,20 @@ closure color splats(Hit hit, Correction c, Base base, color tint, Colour colour
             float value = lobe * light[2] / correction(c, light[2], plain, controlled);
             float based = base_value(base, view, light, h);
             color left = value * fresnel_factor(colour, dot(view, h)) - based * tint;
-            color weight = clamp(left / (chance * density), -HEAVIEST, HEAVIEST) / count;
-            float crease = max(on_crease * sqrt(peak / max(lobe, 1e-6 * peak)), APART * abs(acos(min(light[2], 1.0)) - hit.theta));
+            float drawn = chance * density;
+            color weight = clamp(left / drawn, -HEAVIEST, HEAVIEST) / count;
+            float crease = max(on_crease * sqrt(peak / max(lobe, 1e-6 * peak)),
+                               APART * abs(acos(min(light[2], 1.0)) - hit.theta));
             float radius = spread * min(sqrt(0.5 / (M_PI * count * density)), min(widest, crease));
             // The largest part of the base's colour that is to be taken away.
             float most = largest(max(-weight / max(tint, color(1e-6)), color(0.0)));
             int hole = most > 0.0;
-            if (hole) {
+            if (hole && spread > 0.0) {
                 // All holes of a hit may lie upon each other: each has a part of the height.
                 float wide = sqrt(most * count / (M_PI * max(based, 1e-9)));
                 radius = min(max(radius, 1.1 * wide), min(BASE_HOLE * width, height / HOLE_EDGE));
-                float kept = min(0.9 * M_PI * radius * radius / (count * most) * max(based, 0.0) * slope(hit, light, radius), 1.0);
+                float deepest = 0.9 * max(based, 0.0) * slope(hit, light, radius) / count;
+                float kept = min(M_PI * radius * radius * deepest / most, 1.0);
                 color taken = min(weight, color(0.0));
                 owed -= (1.0 - kept) * taken;
                 weight -= (1.0 - kept) * taken;
