@@ -16,7 +16,7 @@ BASE = json.loads((source._OSL.parent / "luts" / "base_lobes.json").read_text(en
 FAMILIES = list(BASE["families"])
 # Size of what is left over, in parts of the target's energy: at most, by view in degrees, and the mean over all points.
 # Blinn's super-metals at grazing, of which hardly anything is seen, are the worst.
-LEFT = {"phong": {60.0: 0.025, 80.0: 0.07, 88.0: 0.1}, "blinn": {60.0: 0.035, 80.0: 0.09, 88.0: 0.55}}
+LEFT = {"phong": {60.0: 0.027, 80.0: 0.075, 88.0: 0.1}, "blinn": {60.0: 0.035, 80.0: 0.09, 88.0: 0.55}}
 MEAN_LEFT = {"phong": 0.007, "blinn": 0.023}
 HEAVIEST = 2.0  # a splat's weight, see osl/include/estimator.h
 OUT_OF_REACH = {80.0: 1e-3, 88.0: 0.02}  # of the energy: what of it splats do not make up for, being held back by that

@@ -263,7 +263,8 @@ def test_point_by_point(model, parameters, view_deg):
     lights = lights_about(model, parameters, view_deg)
     peak = peak_of(model, parameters, view)
     grainy = view_deg >= 65.0 or parameters["exponent"] < 7.0
-    f, noise = verify.goniometer(create_material(model, **parameters), view_deg, lights, samples=1024 if grainy else 256)
+    samples = 1024 if grainy else 256
+    f, noise = verify.goniometer(create_material(model, **parameters), view_deg, lights, samples=samples)
     measured, noise = f * lights[:, 2:] / peak, noise * lights[:, 2:] / peak
     reference = rgb(brdf.MODELS[model].evaluate(view, lights, **parameters)) * lights[:, 2:] / peak
     if not grainy:
