@@ -779,7 +779,7 @@ def test_without_light_spread(model):
 
 PLANTED = {
     "a wrong lobe": (r"(float lobe_value\([^}]*?)\(n \+ 2\.0\)", r"\1(n + 3.0)"),
-    "splats that only add": (r"(color weight = )(clamp\(left[^)]*\))", r"\1abs(\2)"),
+    "splats four times too heavy, and only adding": (r"(color weight = )(clamp\(left[^)]*\))", r"\g<1>4.0 * abs(\2)"),
     "base lobes 2 % too bright": (r"(sum \+= )(weight \* tint)", r"\g<1>1.02 * \2"),
 }
 
