@@ -12,7 +12,7 @@ from ..brdf import tables
 # "bl_ext.<repository>.plausible_brdf" inside Blender; "addon" where the package is imported by itself.
 ROOT_PACKAGE = __package__.rsplit(".", 2)[0]
 
-job = None  # the bake that runs, or the last one of this session
+job = None  # the bake that runs, or the last one since Blender started
 _problems = {}
 
 

@@ -55,7 +55,7 @@ closure color splat(Hit hit, vector c, color weight, float radius, int hole)
 // is taken to fall as the lobe does, away from the mirror direction and towards the horizon.
 float slope(Hit hit, vector c, float radius)
 {
-    vector outward = c - vector(-hit.frame.view[0], -hit.frame.view[1], hit.frame.view[2]);
+    vector outward = c - mirror_of(hit.frame.view);
     vector down = vector(c[0] * c[2], c[1] * c[2], c[2] * c[2] - 1.0);
     float low = SHOULDER;
     for (int side = 0; side < 2; side += 1) {
@@ -78,8 +78,7 @@ closure color splats(Hit hit, Correction c, Base base, color tint, Colour colour
     vector up = vector(dot(geometric, hit.frame.x), dot(geometric, hit.frame.y), dot(geometric, hit.frame.z));
     float width = lobe_width(view[2], hit.n);
     float widest = min(WIDEST, BLUR / left_over) * width;
-    vector mirror = vector(-view[0], -view[1], view[2]);
-    float peak = lobe_value(view, mirror, hit.n);
+    float peak = lobe_value(view, mirror_of(view), hit.n);
     float on_crease = CREASE * view[2] / max(view[0], 1e-6);
     float n = BASE_DRAWN * hit.n;
     for (int k = 0; k < count; k += 1) {

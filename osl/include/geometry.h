@@ -10,6 +10,9 @@ struct Frame {
 
 vector to_world(Frame f, vector v) { return v[0] * f.x + v[1] * f.y + v[2] * f.z; }
 
+// Mirror direction of a local view.
+vector mirror_of(vector view) { return vector(-view[0], -view[1], view[2]); }
+
 // A shading normal whose mirror direction goes into the surface is bent until it just does not. Cycles does so to every
 // glossy closure by itself; doing it once, before anything is weighed, keeps base and splats consistent.
 normal valid_normal(normal shading, normal geometric, vector view)

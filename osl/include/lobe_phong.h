@@ -1,7 +1,5 @@
 // The Phong lobe f_0 = (n+2)/(2 pi) max(R.L, 0)^n: see PhongLobe in addon/brdf/lobes.py.
 
-vector mirror_of(vector view) { return vector(-view[0], -view[1], view[2]); }
-
 float lobe_value(vector view, vector light, float n)
 {
     return (n + 2.0) / M_2PI * pow(max(dot(mirror_of(view), light), 0.0), n);
