@@ -4,21 +4,24 @@ import platform
 
 import numpy as np
 
-from ..brdf import exr, lobes, tables
-from .chain import albedo_chain
+from ..brdf import exr, tables
+from . import albedo_rows, volume_rows
 from .workers import mapped
 
 NODE_BOUND, INTERPOLATION_BOUND = 2e-5, 1e-3
-QUADRATURE = "Gauss-Legendre over light angle and azimuth, 16 nodes an interval x 36"
-_LOBES = {lobe.id: lobe for lobe in (lobes.PHONG, lobes.BLINN)}
+_KINDS = {tables.Table: albedo_rows, tables.VolumeTable: volume_rows}
+
+
+def kind_of(table):
+    """The module that computes a table's rows: `nodes`, `cell_errors`, `PROVENANCE`."""
+    return _KINDS[type(table)]
 
 
 def bake_row(job) -> np.ndarray:
-    """Nodes (columns, 4) of one row; `job` is (table name, row)."""
+    """Nodes (columns, 4) of one row of the image; `job` is (table name, row)."""
     name, row = job
     table = tables.TABLES[name]
-    exponent = table.rows.exponents()[row]
-    return albedo_chain(_LOBES[table.lobe], exponent, table.columns.cosines(exponent), table.control)
+    return kind_of(table).nodes(table, row)
 
 
 def bake(names=None, workers=None):
@@ -29,11 +32,11 @@ def bake(names=None, workers=None):
     """
     names = list(names or tables.TABLES)
     _require_writable(tables.folder())
-    jobs = [(name, row) for name in names for row in range(tables.TABLES[name].rows.rows)]
+    jobs = [(name, row) for name in names for row in range(tables.TABLES[name].height)]
     done = {name: [] for name in names}
     for count, ((name, _), nodes) in enumerate(zip(jobs, mapped(bake_row, jobs, workers), strict=True), 1):
         done[name].append(nodes)
-        if len(done[name]) == tables.TABLES[name].rows.rows:
+        if len(done[name]) == tables.TABLES[name].height:
             _write(tables.TABLES[name], np.stack(done.pop(name)))
         yield count, len(jobs), name
     tables.forget()
@@ -47,13 +50,9 @@ def _require_writable(folder):
 
 def _write(table, nodes):
     # The last cell is the widest, and often the worst.
-    errors = sampled_error(table, nodes, {*range(0, table.rows.rows - 1, 16), table.rows.rows - 2})
+    errors = sampled_error(table, nodes, {*range(0, table.height - 1, 16), table.height - 2})
     exr.write(table.path, tables.marked(table, nodes), {
-        "plausible:model": f"albedo chain a_0..a_3 of the {table.lobe} lobe, "
-                           f"{'controlled' if table.control else 'plain'} pumping",
-        "plausible:source": "Neumann, Neumann, Szirmay-Kalos, Albedo pumping-up, eq. 6, 16, 20, 21",
-        "plausible:grid": f"columns {table.columns!r}, rows {table.rows!r}, one marker row above and below",
-        "plausible:quadrature": QUADRATURE,
+        **kind_of(table).provenance(table),
         "plausible:error": f"interpolation {errors:.1e} on every 16th row and the last; bounds: nodes {NODE_BOUND:g}, "
                            f"interpolation {INTERPOLATION_BOUND:g} (relative)",
         "plausible:software": f"Plausible BRDF table format {tables.FORMAT}, NumPy {np.__version__}, "
@@ -69,23 +68,10 @@ def sampled_error(table, nodes, rows) -> float:
 def cell_errors(table, nodes, row, refined=False):
     """(node error, interpolation error), relative, of one row and of the cells between it and the next.
 
-    Truth is the chain itself at other points: at the row's own nodes with a finer quadrature when `refined`, and at
+    Truth is the integral itself at other points: at the row's own nodes with a finer quadrature when `refined`, and at
     the middle and quarters of the cells, half-way to the next row.
     """
-    lobe, exponents = _LOBES[table.lobe], table.rows.exponents()
-    node_error, worst = 0.0, 0.0
-    if refined:
-        mu = table.columns.cosines(exponents[row])
-        truth = albedo_chain(lobe, exponents[row], mu, table.control, polar=28, azimuthal=56)
-        node_error = float(np.abs(nodes[row] / truth - 1.0).max())
-    if row + 1 < len(exponents):
-        exponent = float(np.sqrt(exponents[row] * exponents[row + 1]))
-        corners = table.columns.cosines(exponent)
-        inside = [corners[:-1] + share * np.diff(corners) for share in (0.25, 0.5, 0.75)]
-        mu = np.concatenate([corners, *inside])
-        truth = albedo_chain(lobe, exponent, mu, table.control)
-        worst = float(np.abs(tables.axes.read(nodes, table.columns, table.rows, mu, exponent) / truth - 1.0).max())
-    return node_error, worst
+    return kind_of(table).cell_errors(table, nodes, row, refined)
 
 
 def _check_row(job):
@@ -102,12 +88,12 @@ def check(names=None, workers=None):
     """
     names = list(names or tables.TABLES)
     usable, jobs = [], []
-    total = sum(tables.TABLES[name].rows.rows for name in names)
+    total = sum(tables.TABLES[name].height for name in names)
     for name in names:
         try:
             tables.load(tables.TABLES[name])
             usable.append(name)
-            jobs.extend((name, row) for row in range(tables.TABLES[name].rows.rows))
+            jobs.extend((name, row) for row in range(tables.TABLES[name].height))
         except tables.TableError as error:
             yield 0, total, name, {"table": name, "ok": False, "message": str(error)}
     errors = {name: [] for name in usable}
@@ -115,7 +101,7 @@ def check(names=None, workers=None):
     for count, ((name, _), error) in enumerate(zip(jobs, results, strict=True), 1):
         errors[name].append(error)
         report = None
-        if len(errors[name]) == tables.TABLES[name].rows.rows:
+        if len(errors[name]) == tables.TABLES[name].height:
             node, between = np.max(errors[name], axis=0).tolist()
             report = {"table": name, "node_error": node, "interpolation_error": between,
                       "ok": node <= NODE_BOUND and between <= INTERPOLATION_BOUND}

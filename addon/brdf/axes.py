@@ -5,7 +5,8 @@ not. Between two rows the reading is linear in n^-law, the law of the grazing al
 
 Columns: an albedo changes over angles of the lobe's width 1/sqrt(n) from grazing (and Blinn's also from the normal),
 so the nodes crowd there at every exponent in the same proportion. Between two columns the reading is linear in the law
-that the plain albedo tends to far from grazing: mu for Phong; mu^2 for Blinn, with a linear part at grazing.
+that the plain albedo tends to: mu for Phong, far from grazing; mu^2 for Blinn, with a linear part at grazing; the sine
+of the angle for the reciprocal disk, whose albedo has a cusp at the normal.
 """
 from dataclasses import dataclass
 
@@ -51,9 +52,20 @@ class ColumnAxis:
             z = mu / np.sqrt(np.maximum(1.0 - mu * mu, 1e-300))
             t = np.minimum(np.arcsinh(k * z) / span, 1.0) * (self.columns - 2)
         i = np.minimum(t.astype(int), self.columns - 2)
-        law = (lambda c: c * (c + 1.0 / k)) if self.normal else (lambda c: c)
-        q = law(self.cosines(exponent))
-        return i + np.clip((law(mu) - q[i]) / (q[i + 1] - q[i]), 0.0, 1.0)
+        q = self._law(self.cosines(exponent), k)
+        return i + np.clip((self._law(mu, k) - q[i]) / (q[i + 1] - q[i]), 0.0, 1.0)
+
+    def _law(self, mu, k):
+        """What a reading is linear in between two columns."""
+        return mu * (mu + 1.0 / k) if self.normal else mu
+
+
+@dataclass(frozen=True)
+class SineAxis(ColumnAxis):
+    """Columns as with `normal`, read linearly in the sine of the angle."""
+
+    def _law(self, mu, k):
+        return -np.sqrt(1.0 - mu * mu)
 
 
 @dataclass(frozen=True)

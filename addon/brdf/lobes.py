@@ -1,6 +1,7 @@
-"""The two lobes that are pumped: a power of R·L (Phong) and a power of N·H (Blinn)."""
+"""The lobes that are pumped: a power of R·L (Phong), a power of N·H (Blinn), a symmetric lump on the disk."""
 import numpy as np
 
+from . import disk
 from .geometry import around, dot, half, mirror, reflect
 
 TWO_PI = 2.0 * np.pi
@@ -10,6 +11,8 @@ class PhongLobe:
     """Reciprocal Phong: f_0 = (n+2)/(2 pi) max(R·L, 0)^n, Neumann et al. eq. 6 with Lewis' normalisation."""
 
     id = "phong"
+    ends_steeply = False
+    steepest = 0.5 * np.pi
 
     @staticmethod
     def value(view, light, n):
@@ -27,10 +30,11 @@ class PhongLobe:
         return around(mirror(view), u[:, 0] ** (1.0 / (n + 1.0)), TWO_PI * u[:, 1])
 
     @staticmethod
-    def value_of_angles(view_dot_light, mu_view, mu_light, n):
-        """f_0 from V·L and the two cosines; they broadcast."""
-        # With V = 2 (N·V) N - R: R·L = 2 (N·V)(N·L) - V·L.
-        return (n + 2.0) / TWO_PI * np.maximum(2.0 * mu_view * mu_light - view_dot_light, 0.0) ** n
+    def value_of_angles(across2, mu_view, mu_light, n):
+        """f_0 from the squared length of the in-plane part of V+L and the two cosines; they broadcast."""
+        # The in-plane parts of R and V are opposite: |R-L|^2 = across2 + (N·V - N·L)^2 = 2 - 2 R·L.
+        mirror_dot_light = 1.0 - 0.5 * (across2 + (mu_view - mu_light) ** 2)
+        return (n + 2.0) / TWO_PI * np.maximum(mirror_dot_light, 0.0) ** n
 
     @staticmethod
     def azimuths(theta_view, theta_light, n):
@@ -41,15 +45,27 @@ class PhongLobe:
         return scale, np.arccos(np.clip(-a / b, -1.0, 1.0))
 
     @staticmethod
-    def reach(n, floor):
+    def reach(n, floor, theta=0.0):
         """Angle from the mirror direction at which the lobe has fallen to `floor` of its peak, at most pi/2."""
         return np.arccos(floor ** (1.0 / n))
+
+    @staticmethod
+    def ends(theta):
+        """Light angles, but for those at its reach, where the lobe ends for a view at `theta`: none."""
+        return []
+
+    @staticmethod
+    def half_vector_exponent(n):
+        """Exponent of the half-vector power that is as wide."""
+        return 4.0 * n
 
 
 class HalfVectorLobe:
     """Reciprocal Blinn: f_0 = (n+8)/(8 pi) (N·H)^n, Neumann et al. eq. 6."""
 
     id = "blinn"
+    ends_steeply = False
+    steepest = 0.5 * np.pi
 
     @staticmethod
     def value(view, light, n):
@@ -74,11 +90,10 @@ class HalfVectorLobe:
         return reflect(view, around(normal, u[:, 0] ** (1.0 / (n + 1.0)), TWO_PI * u[:, 1]))
 
     @staticmethod
-    def value_of_angles(view_dot_light, mu_view, mu_light, n):
-        """f_0 from V·L and the two cosines; they broadcast."""
-        # |V+L|^2 = 2 + 2 V·L and N·(V+L) is the sum of the cosines.
-        cos_h = (mu_view + mu_light) / np.sqrt(np.maximum(2.0 + 2.0 * view_dot_light, 1e-24))
-        return (n + 8.0) / (8.0 * np.pi) * np.minimum(cos_h, 1.0) ** n
+    def value_of_angles(across2, mu_view, mu_light, n):
+        """f_0 from the squared length of the in-plane part of V+L and the two cosines; they broadcast."""
+        up2 = np.maximum((mu_view + mu_light) ** 2, 1e-300)
+        return (n + 8.0) / (8.0 * np.pi) * (1.0 + across2 / up2) ** (-0.5 * n)
 
     @staticmethod
     def azimuths(theta_view, theta_light, n):
@@ -88,9 +103,101 @@ class HalfVectorLobe:
         return np.sqrt(4.0 * np.maximum(nearest, 1e-12) / (b * n)), np.full(b.shape, np.pi)
 
     @staticmethod
-    def reach(n, floor):
+    def reach(n, floor, theta=0.0):
         """Angle from the mirror direction at which the lobe has fallen to `floor` of its peak, at most pi."""
         return 2.0 * np.arccos(floor ** (1.0 / n))
 
+    @staticmethod
+    def ends(theta):
+        """Light angles, but for those at its reach, where the lobe ends for a view at `theta`: none."""
+        return []
 
-PHONG, BLINN = PhongLobe(), HalfVectorLobe()
+    @staticmethod
+    def half_vector_exponent(n):
+        """Exponent of the half-vector power that is as wide."""
+        return n
+
+
+class ReciprocalDiskLobe:
+    """A lump on the halfway vector disk made reciprocal: f_0 = sqrt(f(V, L) f(L, V)).
+
+    f is the scaling projection's (Edwards et al. eq. 20) of the largest round lump about the origin that stays on the
+    disk. Its h = (N·V) tan(theta_h) and radius 1 - sin(theta_v) are in the ratio tan(theta_h) / tan(45° - theta_v/2):
+    the lobe ends where the half vector is 45° - theta/2 from the normal, theta being the larger of both angles.
+    """
+
+    id = "disk"
+    ends_steeply = True  # like a square root, for small exponents
+    steepest = 0.5 * np.pi - 1e-4  # view: at grazing it shrinks to nothing, in shape unchanged
+
+    @staticmethod
+    def value(view, light, n):
+        """f_0 in 1/sr, shape (N,), for views and lights above the horizon."""
+        across = (view + light)[:, :2]
+        return ReciprocalDiskLobe.value_of_angles(dot(across, across), view[:, 2], light[:, 2], n)
+
+    @staticmethod
+    def _lump(mu_view, n):
+        return disk.Lump(np.zeros(2), disk.room(mu_view)[:, None] * np.ones(2), n)
+
+    @staticmethod
+    def pdf(view, light, n):
+        """Density of `sample` in 1/sr over the whole sphere, shape (N,)."""
+        point, density = disk.SCALING.reached(view, light)
+        return ReciprocalDiskLobe._lump(view[:, 2], n).density(point) * density
+
+    @staticmethod
+    def sample(view, u, n):
+        """Directions (N, 3) with the density `pdf` from uniform numbers `u` (N, 2): the view's own lump."""
+        return disk.SCALING.light(view, ReciprocalDiskLobe._lump(view[:, 2], n).sample(u))
+
+    @staticmethod
+    def value_of_angles(across2, mu_view, mu_light, n):
+        """f_0 from the squared length of the in-plane part of V+L and the two cosines; they broadcast."""
+        up2 = np.maximum((mu_view + mu_light) ** 2, 1e-300)
+        tan2 = across2 / up2
+        product = 1.0
+        for mu in (mu_view, mu_light):
+            slope2 = np.maximum((disk.room(mu) / np.maximum(mu, 1e-150)) ** 2, 1e-300)
+            # The lump's density times (N·V)^2.
+            product = product * (n + 1.0) / np.pi / slope2 * np.maximum(1.0 - tan2 / slope2, 0.0) ** n
+        # L·H = |V+L| / 2 and N·H = (N·V + N·L) / |V+L|.
+        squared = across2 + up2
+        shared = 2.0 * np.sqrt(np.maximum(mu_view * mu_light, 1e-300)) * up2**1.5 / squared
+        return np.sqrt(product) / shared
+
+    @staticmethod
+    def azimuths(theta_view, theta_light, n):
+        """Scale and end of the lobe over the azimuth from the mirror plane: (scale, end), both in radians."""
+        b = np.maximum(np.sin(theta_view) * np.sin(theta_light), 1e-12)
+        slope2 = np.tan(0.25 * np.pi - 0.5 * np.maximum(theta_view, theta_light)) ** 2
+        # tan^2 of the half vector is at most slope^2; solved for sin^2 of half the azimuth, without cancellation.
+        mean2 = np.cos(0.5 * (theta_view + theta_light)) ** 2
+        apart2 = np.sin(0.5 * (theta_view - theta_light)) ** 2
+        sin2 = mean2 * np.maximum(slope2 - (1.0 + slope2) * apart2, 0.0) / b
+        end = 2.0 * np.arcsin(np.sqrt(np.minimum(sin2, 1.0)))
+        return 2.0 * np.sqrt(slope2 * mean2 / (b * (n + 1.0))) + 1e-30, end
+
+    @staticmethod
+    def reach(n, floor, theta=0.0):
+        """Angle from the mirror direction at which the lobe has fallen to `floor` of its peak at a view of `theta`."""
+        widest = np.tan(0.25 * np.pi - 0.5 * np.asarray(theta)) * np.sqrt(1.0 - floor ** (1.0 / n))
+        return 2.0 * np.arctan(widest)
+
+    @staticmethod
+    def ends(theta):
+        """Light angles, but for those at its reach, where the lobe ends for a view at `theta`.
+
+        On the mirror's side of the plane of incidence it ends where the light's own lump, then the smaller, does; on the
+        view's own side either lump may end it: around the normal, at less than that, all azimuths are lit.
+        """
+        quarter = 0.25 * np.pi
+        return [quarter + 0.5 * theta, 2.0 * (quarter - theta), quarter - 0.5 * theta]
+
+    @staticmethod
+    def half_vector_exponent(n):
+        """Exponent of the half-vector power that is as wide at normal incidence."""
+        return 2.0 * n
+
+
+PHONG, BLINN, DISK = PhongLobe(), HalfVectorLobe(), ReciprocalDiskLobe()

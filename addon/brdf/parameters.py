@@ -120,3 +120,54 @@ ESTIMATOR = (
               "Width of the splat around each drawn direction; 0 is as narrow as can be: exact, and grainy",
               0.0, 2.0, evaluated=False),
 )
+
+
+def _lump_exponent(name, label, default, text):
+    return Parameter(name, label, "float", default, text, 0.0, MAX_EXPONENT, logarithmic=True)
+
+
+def _radius(name, label, default, text):
+    return Parameter(name, label, "float", default, text, 0.01, 1.0)
+
+
+LUMP = (
+    _lump_exponent("exponent", "Exponent", 20.0, "Exponent n of the lump: 0 is a flat disk, larger is sharper"),
+    _radius("radius_u", "Radius U", 1.0, "Radius of the lump along the tangent, in parts of the disk's"),
+    _radius("radius_v", "Radius V", 1.0, "Radius of the lump across the tangent, in parts of the disk's"),
+)
+ROTATION = (Parameter("rotation", "Rotation", "float", 0.0, "Turn of the lumps about the normal; 1 is a full turn"),)
+EDGE = (
+    Parameter("base_color", "Color", "color", (1.0, 1.0, 1.0), "Reflectance at normal incidence, linear RGB", 0.0, 1.0),
+    Parameter("f90", "Edge Color", "color", (1.0, 1.0, 1.0), "Reflectance at grazing incidence", 0.0, 1.0),
+)
+EMPIRICAL = (
+    Parameter("diffuse_color", "Diffuse Color", "color", (0.3, 0.3, 0.3), "Color of what the surface lets in", 0.0, 1.0),
+    Parameter("base_color", "Specular Color", "color", (0.04, 0.04, 0.04),
+              "Reflectance at normal incidence F0; at grazing it is 1", 0.0, 1.0),
+    *LUMP,
+    Parameter("retro", "Retroreflection", "float", 0.0, "Share k of what is reflected that goes back to where it came from"),
+    _lump_exponent("retro_exponent", "Retro Exponent", 100.0, "Exponent of the lump that reflects back"),
+    _radius("retro_radius_u", "Retro Radius U", 1.0, "Radius, along the tangent, of the lump that reflects back"),
+    _radius("retro_radius_v", "Retro Radius V", 1.0, "Radius, across the tangent, of the lump that reflects back"),
+    Parameter("vary_exponents", "Vary with Angle", "bool", False, "Change the exponents towards grazing"),
+    _lump_exponent("grazing_exponent", "Grazing Exponent", 100.0, "Exponent of the lump where it is seen at grazing"),
+    _lump_exponent("retro_grazing_exponent", "Retro Grazing Exponent", 100.0,
+                   "Exponent of the lump that reflects back where it is seen at grazing"),
+)
+DATA_FIT = (
+    Parameter("diffuse_color", "Diffuse Color", "color", (0.1, 0.1, 0.1), "Color of what the surface lets in", 0.0, 1.0),
+    Parameter("base_color", "Specular Color", "color", (0.5, 0.5, 0.5), "Reflectance at normal incidence F0", 0.0, 1.0),
+    Parameter("f90", "Edge Color", "color", (1.0, 1.0, 1.0), "Reflectance at grazing incidence", 0.0, 1.0),
+    _lump_exponent("exponent", "Exponent", 50.0, "Exponent n of the first lump: 0 is a flat disk, larger is sharper"),
+    _radius("radius", "Radius", 0.8, "Radius of the first lump, in parts of the disk's"),
+    Parameter("blend", "Blend", "float", 0.3, "Share k of the second lump"),
+    _lump_exponent("second_exponent", "Second Exponent", 10.0, "Exponent of the second lump"),
+    _radius("second_radius", "Second Radius", 0.8, "Radius of the second lump, in parts of the disk's"),
+    Parameter("renormalize", "Renormalize", "bool", True,
+              "Make up for the volume that the lumps lose where they leave the disk: no light is lost"),
+)
+TANGENT = (
+    Parameter("tangent", "Tangent", "vector", (0.0, 0.0, 0.0),
+              "Direction that Radius U is measured along; unlinked it runs around the object's z axis",
+              -math.inf, math.inf, evaluated=False),
+)

@@ -32,10 +32,10 @@ def _gauss(count):
 
 def _polar_nodes(lobe, exponent, theta, count, edges):
     """Light angles (views, nodes) and weights, `count` on each interval between places where the integrand bends."""
-    reach, core = lobe.reach(exponent, _FLOOR), lobe.reach(exponent, 0.3)
+    reach, core = (lobe.reach(exponent, floor, theta) for floor in (_FLOOR, 0.3))
     low, high = np.maximum(theta - reach, 0.0), np.minimum(theta + reach, 0.5 * np.pi)
     inside = [theta - core, theta, theta + core, 0.5 * np.pi - theta]
-    inside += [np.full_like(theta, np.arccos(edge)) for edge in edges]
+    inside += [np.full_like(theta, np.arccos(edge)) for edge in edges] + lobe.ends(theta)
     ends = np.sort(np.clip(np.stack([low, *inside, high], axis=-1), low[:, None], high[:, None]), axis=-1)
     # Flattening both ends of an interval (x = s^2 (3 - 2 s)) absorbs square roots there.
     s, w = _gauss(count)
@@ -51,8 +51,9 @@ def meridians(lobe, exponent: float, cos_theta, polar: int = 24, azimuthal: int 
     `polar` nodes lie on each interval of the light angle, `azimuthal` on half a turn around each; `edges` are light
     cosines at which the correction term to come has an edge.
     """
-    mu_view = np.atleast_1d(np.asarray(cos_theta, dtype=np.float64))
-    theta_view = np.arccos(np.clip(mu_view, 0.0, 1.0))
+    cosine = np.clip(np.atleast_1d(np.asarray(cos_theta, dtype=np.float64)), 0.0, 1.0)
+    theta_view = np.minimum(np.arccos(cosine), lobe.steepest)
+    mu_view = np.maximum(cosine, 0.5 * np.pi - lobe.steepest)
     theta, theta_weight = _polar_nodes(lobe, exponent, theta_view, polar, edges)
     mu_light = np.maximum(np.cos(theta), 0.0)
 
@@ -60,16 +61,20 @@ def meridians(lobe, exponent: float, cos_theta, polar: int = 24, azimuthal: int 
     scale, end = lobe.azimuths(theta_view[:, None], theta, exponent)
     span = np.arcsinh(end / scale)
     s, w = _gauss(azimuthal)
+    if lobe.ends_steeply:
+        s, w = s * (2.0 - s), w * 2.0 * (1.0 - s)
     u = span[..., None] * s
     phi = scale[..., None] * np.sinh(u)
     phi_weight = 2.0 * scale[..., None] * np.cosh(u) * span[..., None] * w
 
-    cosines = mu_view[:, None] * mu_light
+    # The in-plane part of V+L, squared, without cancellation: it decides, and is small for sharp lobes.
     sines = np.sin(theta_view)[:, None] * np.sin(theta)
-    view_dot_light = cosines[..., None] - sines[..., None] * np.cos(phi)
-    value = lobe.value_of_angles(view_dot_light, mu_view[:, None, None], mu_light[..., None], exponent)
+    nearest = 2.0 * np.cos(0.5 * (theta_view[:, None] + theta)) * np.sin(0.5 * (theta_view[:, None] - theta))
+    across2 = nearest[..., None] ** 2 + 4.0 * sines[..., None] * np.sin(0.5 * phi) ** 2
+    value = lobe.value_of_angles(across2, mu_view[:, None, None], mu_light[..., None], exponent)
     energy = value * phi_weight * (theta_weight * np.sin(theta) * mu_light)[..., None]
-    view_dot_half = np.sqrt(np.clip(0.5 * (1.0 + view_dot_light), 0.0, 1.0))
+    squared = across2 + ((mu_view[:, None] + mu_light) ** 2)[..., None]  # |V+L|^2 = 4 (V·H)^2
+    view_dot_half = np.clip(0.5 * np.sqrt(squared), 0.0, 1.0)
     return Meridians(mu_light, view_dot_half, energy)
 
 

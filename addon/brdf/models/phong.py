@@ -1,24 +1,25 @@
 """Reciprocal Phong, its pumped-up form, and the form where controlled pumping ends."""
+from ..lobe_model import LobeModel
 from ..lobes import PHONG
 from ..parameters import COLOUR, ESTIMATOR, PUMPING, SHAPE
-from ..registry import Model, register
+from ..registry import register
 
 LEWIS = "Lewis, Making shaders more physically plausible, 1993"
 NEUMANN = "Neumann, Neumann, Szirmay-Kalos, Compact metallic reflectance models / Albedo pumping-up, 1999"
 
-register(Model(
+register(LobeModel(
     id="phong", label="Phong", description="The reciprocal Phong lobe: darkens towards grazing angles",
     lobe=PHONG, correction="none", parameters=SHAPE + COLOUR + ESTIMATOR, tables=(),
     formula="(n+2)/(2π) max(R·L, 0)^n", references=(LEWIS, NEUMANN + ", eq. 6"),
 ))
-register(Model(
+register(LobeModel(
     id="pumped_phong", label="Pumped Phong",
     description="Phong divided by its own albedo, once or several times, until it mirrors like metal",
     lobe=PHONG, correction="pumped", parameters=SHAPE + PUMPING + COLOUR + ESTIMATOR,
     tables=("phong_plain", "phong_controlled"),
     formula="(n+2)/(2π) max(R·L, 0)^n / D", references=(NEUMANN + ", eq. 16, 20, 21",),
 ))
-register(Model(
+register(LobeModel(
     id="phong_limit", label="Phong Limit",
     description="Where controlled pumping of Phong ends: a mirror that stays as bright as what it mirrors",
     lobe=PHONG, correction="limit", parameters=SHAPE + COLOUR + ESTIMATOR, tables=(),

@@ -1,0 +1,130 @@
+// The halfway vector disk (Edwards et al. 2006): see addon/brdf/disk.py. Equations are numbered as in the paper.
+//
+// Local frame: x is the tangent, z the shading normal. A point h of the disk is (h_u, h_v, 0); the disk's centre is the
+// in-plane part of the view.
+
+struct Disk {
+    Frame frame;
+    int orthogonal;  // the projection: orthogonal or scaling
+    vector up;       // geometric normal, local
+};
+
+// What the disk's map does about one of its points.
+struct Spot {
+    vector light;
+    vector h;        // unit half vector
+    float stretch;   // dh / dL
+    float size;      // |V+L|, for scaling the length of the vector that ends at h
+};
+
+// A tangent across the shading normal; where none is given, one that runs around the object's z axis.
+Frame tangent_frame(normal shading, normal geometric, vector view, vector tangent)
+{
+    Frame f;
+    f.z = valid_normal(shading, geometric, view);
+    vector along = tangent;
+    if (dot(along, along) < 1e-8)
+        along = cross(transform("object", "common", vector(0.0, 0.0, 1.0)), f.z);
+    along -= dot(along, f.z) * f.z;
+    if (dot(along, along) < 1e-8)
+        along = abs(f.z[0]) > 0.9 ? cross(vector(0.0, 1.0, 0.0), f.z) : cross(cross(f.z, vector(1.0, 0.0, 0.0)), f.z);
+    f.x = normalize(along);
+    f.y = cross(f.z, f.x);
+    vector v = vector(dot(f.x, view), dot(f.y, view), max(dot(f.z, view), 1e-4));
+    f.view = normalize(v);
+    return f;
+}
+
+Disk make_disk(normal shading, normal surface, normal geometric, vector view, vector tangent, int orthogonal)
+{
+    Disk d;
+    normal chosen = dot(shading, shading) > 1e-8 ? normalize(shading) : surface;
+    d.frame = tangent_frame(chosen, geometric, view, tangent);
+    d.orthogonal = orthogonal;
+    d.up = vector(dot(geometric, d.frame.x), dot(geometric, d.frame.y), dot(geometric, d.frame.z));
+    return d;
+}
+
+// The lump's densities on the disk: eq. 27.
+struct Lump {
+    vector centre;
+    vector along;    // unit axis of radius[0]; that of radius[1] is `across`
+    vector across;
+    float radii[2];
+    float n;
+};
+
+Lump make_lump(vector centre, float radius_u, float radius_v, float turn, float n)
+{
+    Lump p;
+    p.centre = centre;
+    p.along = vector(cos(turn), sin(turn), 0.0);
+    p.across = vector(-p.along[1], p.along[0], 0.0);
+    p.radii[0] = radius_u;
+    p.radii[1] = radius_v;
+    p.n = n;
+    return p;
+}
+
+// Both radii shrunk by one factor so that the larger is at most `allowed`.
+void hold_radii(float allowed, output float radius_u, output float radius_v)
+{
+    float factor = min(1.0, allowed / max(radius_u, radius_v));
+    radius_u *= factor;
+    radius_v *= factor;
+}
+
+// Largest radius about the origin that stays on the disk: 1 - sin theta (below eq. 32).
+float disk_room(Disk d) { return d.frame.view[2] * d.frame.view[2] / (1.0 + hypot(d.frame.view[0], d.frame.view[1])); }
+
+// A point in units of the radii from the lump's centre, and back.
+vector lump_at(Lump p, vector h)
+{
+    vector away = h - p.centre;
+    return vector(dot(away, p.along) / p.radii[0], dot(away, p.across) / p.radii[1], 0.0);
+}
+
+vector lump_point(Lump p, float x, float y) { return p.centre + x * p.radii[0] * p.along + y * p.radii[1] * p.across; }
+
+// Density over the unit disk of `at`, which is p(h) times the product of the radii.
+float unit_lump(vector at, float n)
+{
+    float inside = 1.0 - dot(at, at);
+    return inside > 0.0 ? (n + 1.0) / M_PI * pow(inside, n) : 0.0;
+}
+
+// The light whose point on the disk is `h`; returns whether there is one above the horizon.
+int disk_spot(Disk d, vector h, output Spot s)
+{
+    vector view = d.frame.view;
+    if (d.orthogonal) {
+        vector plane = h - vector(view[0], view[1], 0.0);
+        float height2 = 1.0 - dot(plane, plane);
+        if (height2 <= 1e-8)
+            return 0;
+        s.light = vector(plane[0], plane[1], sqrt(height2));
+        vector total = s.light + view;
+        s.size = length(total);
+        s.h = total / s.size;
+        s.stretch = s.light[2];  // eq. 23 over 4 (L.H), as |V+L| = 2 (L.H)
+        return 1;
+    }
+    vector total = vector(h[0], h[1], view[2]);
+    s.size = length(total);
+    s.h = total / s.size;
+    float along = dot(view, s.h);
+    s.light = 2.0 * along * s.h - view;
+    if (along <= 0.0 || s.light[2] <= 0.0)
+        return 0;
+    s.stretch = view[2] * view[2] / (4.0 * along * s.h[2] * s.h[2] * s.h[2]);  // eq. 19 over 4 (L.H)
+    return 1;
+}
+
+// By how much the half vector moves when h moves by `step`.
+vector half_step(Disk d, Spot s, vector step)
+{
+    vector moved = step;
+    if (d.orthogonal)
+        moved -= vector(0.0, 0.0, dot(s.light, step) / s.light[2]);
+    return (moved - dot(moved, s.h) * s.h) / s.size;
+}
