@@ -2,7 +2,6 @@
 import bpy
 
 from .. import brdf
-from ..brdf import fresnel
 from ..shading import source
 from . import osl
 
@@ -109,19 +108,17 @@ def update_stand_in(material):
     if node is None:
         return
     model = model_of(node)
-    p = model.resolve(values(node))
-    colour = fresnel.factor(p["fresnel_type"], [1.0], p["base_color"], p["f90"], p["ior"], p["extinction"])[0]
+    colour, exponent, metallic = model.stand_in(model.resolve(values(node)))
     colour = [float(min(max(c, 0.0), 1.0)) for c in colour]
-    # A half-vector power of n looks like a Beckmann lobe; a Phong power like a half-vector power of 4 n.
-    exponent = p["exponent"] * (4.0 if model.lobe.id == "phong" else 1.0)
+    # A half-vector power of n looks like a Beckmann lobe.
     roughness = brdf.roughness_of_exponent(exponent)
     principled = material.node_tree.nodes.get(STAND_IN)
     if principled is not None:
         principled.inputs["Base Color"].default_value = (*colour, 1.0)
-        principled.inputs["Metallic"].default_value = 1.0
+        principled.inputs["Metallic"].default_value = metallic
         principled.inputs["Roughness"].default_value = roughness
     material.diffuse_color = (*colour, 1.0)
-    material.metallic, material.roughness = 1.0, roughness
+    material.metallic, material.roughness = metallic, roughness
 
 
 def rebuild(material):

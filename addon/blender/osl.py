@@ -78,7 +78,7 @@ def add_script_node(tree, model, lut: str = source.COMPILED):
     if lut == source.FILE:
         for name in model.tables:
             table = source.tables.TABLES[name]
-            mode = "controlled" if table.control else "plain"
+            mode = source.mode_of(table)
             socket = node.inputs.new("NodeSocketString", f"Table ({mode})", identifier=f"table_{mode}")
             socket.default_value = str(table.path)
     node.outputs.new("NodeSocketShader", "BSDF", identifier="BSDF")

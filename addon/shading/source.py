@@ -5,7 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..brdf import tables
+from ..brdf import lobes, tables
+from ..brdf.axes import SineAxis
+from ..brdf.lobe_model import LobeModel
 
 _OSL = Path(__file__).resolve().parents[2] / "osl"
 _INCLUDE = re.compile(r'^#include "([^"]+)"\n', re.MULTILINE)
@@ -30,6 +32,13 @@ def assemble(model, lut: str = COMPILED) -> str:
     return _definitions(model, lut) + text
 
 
+def mode_of(table) -> str:
+    """What a shader calls a table: its parameter is table_ and this."""
+    if isinstance(table, tables.VolumeTable):
+        return "volume"
+    return "controlled" if table.control else "plain"
+
+
 def _flattened(path: Path, seen: set) -> str:
     """A file with each of its includes put in once, where it is first named."""
 
@@ -45,8 +54,15 @@ def _flattened(path: Path, seen: set) -> str:
 
 def _definitions(model, lut) -> str:
     """Macros that carry the numbers: DATA_PARAMETERS (array parameters with their values), axes and table names."""
-    lines, parameters = _base(model.lobe.id)
-    by_mode = {tables.TABLES[name].control: tables.TABLES[name] for name in model.tables}
+    family = _base_family(model)
+    lines, parameters = _bells() if family is None else _base(family)
+    used = [tables.TABLES[name] for name in model.tables]
+    by_mode = {table.control: table for table in used if isinstance(table, tables.Table)}
+    for table in used:
+        if isinstance(table, tables.VolumeTable):
+            parameters.append(_table_parameter(table, "volume", lut))
+            lines += [f"#define VOLUME_LAYERS {table.layers}", "#define TABLE_VOLUME table_volume",
+                      *_axes(table, "VOLUME", lut)]
     for control, mode in ((False, "plain"), (True, "controlled")):
         parameters.append(_table_parameter(by_mode.get(control), mode, lut))
         lines.append(f"#define TABLE_{mode.upper()} table_{mode}")
@@ -56,6 +72,17 @@ def _definitions(model, lut) -> str:
         lines.append("#define TABLE_FILE")
     lines.append("#define DATA_PARAMETERS " + ", ".join(parameters))
     return "\n".join(lines) + "\n"
+
+
+def _base_family(model):
+    """The family of base lobes that a model's shader uses, or None where it uses bells on the disk."""
+    return model.lobe.id if isinstance(model, LobeModel) and model.lobe is not lobes.DISK else None
+
+
+def _bells():
+    """Macro and array parameter of the bells that make up a lump, see addon/baking/bells.py."""
+    bells = json.loads((_OSL.parent / "luts" / "bells.json").read_text(encoding="utf-8"))["table"]
+    return [f"#define BELLS_PER_UNIT {len(bells) - 1}"], [_array("bells", np.ravel(bells))]
 
 
 def _base(family):
@@ -86,7 +113,8 @@ def _table_parameter(table, mode, lut):
 
 def _axes(table, mode, lut):
     c, r = table.columns, table.rows
-    numbers = f"{c.columns}, {c.grazing}, {c.normal}, {r.rows}, {r.density}, {r.law}, {table.stamp!r}"
+    numbers = (f"{c.columns}, {c.grazing}, {c.normal}, {r.rows}, {r.density}, {r.law}, {table.stamp!r}, "
+               f"{int(isinstance(c, SineAxis))}, {table.height}")
     name = f"table_{mode.lower()}" if lut == FILE else f'"{table.name}"'
     return [f"#define AXES_{mode} Axes({numbers})", f"#define TABLE_NAME_{mode} {name}"]
 

@@ -1,5 +1,9 @@
 // D of albedo pumping-up: see addon/brdf/pumping.py.
 
+#ifndef ALBEDO_FALLS
+#define ALBEDO_FALLS 0  // towards the normal
+#endif
+
 struct Correction {
     float mu_view;
     float pumps;
@@ -21,9 +25,10 @@ float correction(Correction c, float mu_light, TABLE(plain), TABLE(controlled))
 {
     if (c.pumps <= 0.0)
         return 1.0;
-    // Albedos grow with the cosine (but for 2e-4 at the fourth pump), so a light below the view has no say in the larger.
+    // Phong's and Blinn's albedos grow with the cosine (but for 2e-4 at the fourth pump), so a light below the view has no
+    // say in the larger.
     float at_light[4] = {0.0, 0.0, 0.0, 0.0};
-    if (mu_light > c.mu_view)
+    if (ALBEDO_FALLS || mu_light > c.mu_view)
         albedos(c.row, c.control, mu_light, c.stages, plain, controlled, at_light);
     float d = 1.0;
     for (int stage = 0; stage < c.stages; stage += 1) {

@@ -74,6 +74,12 @@ void hold_radii(float allowed, output float radius_u, output float radius_v)
     radius_v *= factor;
 }
 
+// Exponent between the one at the normal and the one at grazing: see addon/brdf/disk_model.py.
+float exponent_between(float at_normal, float grazing, float mu)
+{
+    return pow(at_normal + 1.0, mu) * pow(grazing + 1.0, 1.0 - mu) - 1.0;
+}
+
 // Largest radius about the origin that stays on the disk: 1 - sin theta (below eq. 32).
 float disk_room(Disk d) { return d.frame.view[2] * d.frame.view[2] / (1.0 + hypot(d.frame.view[0], d.frame.view[1])); }
 

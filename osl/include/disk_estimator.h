@@ -1,34 +1,27 @@
 // How a lump gets into Cycles: Beckmann microfacets, which are bells on the disk, for most of it, and small bells at random
-// places for what they leave over. See estimator.h for the idea.
+// places for what those leave over. See estimator.h for the idea.
 //
 // A bell about a point of the disk, of any covariance, is a Beckmann closure: its normal is the point's half vector, its
 // slopes those that the disk's map makes of the covariance. What holds in units of the lump's radii, the shares of bells,
-// their places and widths, then holds at every view, anisotropy and projection.
+// their places and widths, then holds at every view, anisotropy and projection. No closure takes light away: where the
+// bells are above the lump, what is too much is taken off all of them, so that no light is made.
+//
+// A model includes disk.h and one target_*.h before this. The table of bells is fitted by addon/baking/bells.py.
 
-#define NARROWEST 5e-4   // slope: Cycles takes narrower facets for mirrors
-#define RING 6           // bells of each of two rings around the middle one
-#define SLENDER 0.03     // 1 / (n + 1) below which a lump is so nearly a bell that the ring is left out
-#ifndef WIDEST
-#define WIDEST 0.3       // of a lump's standard deviation: splats
-#endif
-#ifndef TO_EDGE
-#define TO_EDGE 0.3      // of the way to the lump's edge
-#endif
-#define HEAVIEST 3.0     // weight of all splats of a lump
-
-#ifndef EDGE_LEAST
-#define EDGE_LEAST 0.2
-#endif
-#ifndef BENT
-#define BENT 0.6
-#endif
-#ifndef STRAIGHT
-#define STRAIGHT 0.02
-#endif
-#ifndef DRAWN_R
-#define DRAWN_R 1.25
-#define DRAWN_N 0.75
-#endif
+#define NARROWEST 5e-4    // slope: Cycles takes narrower facets for mirrors
+#define FURTHEST 0.5      // of a bell's width: how far its normal leans
+#define RING 6            // bells of each of two rings around the middle one
+#define SLENDER 0.03      // 1 / (n + 1) below which a lump is so nearly a bell that one is enough,
+#define STRAIGHT 0.02     // where the disk's map is as straight as this
+#define BENT 0.6          // share that the bells leave to splats, for its bending: they follow a bent lump badly
+#define TOO_BENT 1.0      // there is no use in bells
+#define WIDEST 0.2        // of a lump's standard deviation: splats, and at most
+#define TO_EDGE 0.3       // of the way to the lump's edge,
+#define AT_EDGE 0.12      // or this of the standard deviation where the edge is soft
+#define MUCH_LEFT 0.1     // of the volume: where all samples per hit are drawn
+#define LITTLE_LEFT 0.02  // of the volume: with less, splats are drawn at fewer hits, and are heavier
+#define HEAVIEST 3.0      // weight of all splats of a lump
+#define DRAWN_RADIUS 1.6  // what splats are drawn from is a lump of this radius, 1.28 times as wide as a sharp lump
 
 struct Bell {
     vector facet;
@@ -41,7 +34,8 @@ struct Bell {
 struct Bells {
     int count;
     Bell all[13];
-    float share;     // of the lump that the bells are made for
+    float share;  // of the lump that the bells are made for
+    float total;  // weight of all
 };
 
 // Gradient, over slopes of the half vector, of the logarithm of what a microfacet shows in the disk's measure.
@@ -55,19 +49,21 @@ vector disk_growth(Disk d, Spot s)
     return across_view / dot(view, s.h) + 3.0 * across_normal / s.h[2];
 }
 
-// The bell of standard deviations x and y, in parts of the lump's radii, about a point that is at `s`.
-Bell make_bell(Disk d, Lump p, Spot s, float x, float y, float weight)
+// The bell of a standard deviation, in parts of the lump's radii, about a point that is at `s`. Near a horizon it is
+// smaller; `shrunk` is by how much.
+Bell make_bell(Disk d, Lump p, Spot s, float deviation, float weight, output float shrunk)
 {
     vector view = d.frame.view;
-    vector a = half_step(d, s, x * p.radii[0] * p.along);
-    vector b = half_step(d, s, y * p.radii[1] * p.across);
+    vector a = half_step(d, s, deviation * p.radii[0] * p.along);
+    vector b = half_step(d, s, deviation * p.radii[1] * p.across);
     // Lights move twice as fast: bells near a horizon are kept small enough to stay above it.
     float rise_a = 2.0 * (dot(view, a) * s.h[2] + dot(view, s.h) * a[2]);
     float rise_b = 2.0 * (dot(view, b) * s.h[2] + dot(view, s.h) * b[2]);
     float spread = sqrt(rise_a * rise_a + rise_b * rise_b);
-    float small = min(1.0, s.light[2] / max(3.0 * spread, 1e-9));
-    a *= small;
-    b *= small;
+    float height = max(min(s.light[2], dot(s.light, d.up)), 0.0);
+    shrunk = min(1.0, height / max(3.0 * spread, 1e-9));
+    a *= shrunk;
+    b *= shrunk;
     vector e1 = dot(a, a) > dot(b, b) ? normalize(a) : normalize(b);
     vector e2 = cross(s.h, e1);
     float xx = dot(a, e1) * dot(a, e1) + dot(b, e1) * dot(b, e1);
@@ -77,7 +73,9 @@ Bell make_bell(Disk d, Lump p, Spot s, float x, float y, float weight)
     vector growth = disk_growth(d, s);
     float g1 = dot(growth, e1);
     float g2 = dot(growth, e2);
-    vector lean = (xx * g1 + xy * g2) * e1 + (xy * g1 + yy * g2) * e2;
+    // No further than a part of the bell's width: where it would, the bell says little of the lump anyway.
+    float far = sqrt(max(xx * g1 * g1 + 2.0 * xy * g1 * g2 + yy * g2 * g2, 1e-12));
+    vector lean = min(1.0, FURTHEST / far) * ((xx * g1 + xy * g2) * e1 + (xy * g1 + yy * g2) * e2);
     Bell bell;
     bell.facet = normalize(s.h - lean);
     float mean = 0.5 * (xx + yy);
@@ -124,10 +122,10 @@ float bells_value(Bells b, vector view, vector light)
     return sum;
 }
 
-closure color bell_closure(Bell b, Frame f, color tint)
+closure color bell_closure(Bell b, Frame f)
 {
-    return b.weight * tint * microfacet("beckmann", normalize(to_world(f, b.facet)), normalize(to_world(f, b.along)),
-                                        b.alpha_x, b.alpha_y, 0.0, 0);
+    return b.weight * microfacet("beckmann", normalize(to_world(f, b.facet)), normalize(to_world(f, b.along)),
+                                 b.alpha_x, b.alpha_y, 0.0, 0);
 }
 
 // The standard deviation of a lump along either axis, in parts of its radius.
@@ -137,8 +135,14 @@ void add_bell(Disk d, Lump p, float x, float y, float deviation, float weight, o
 {
     Spot s;
     if (disk_spot(d, lump_point(p, x, y), s)) {
-        b.all[b.count] = make_bell(d, p, s, deviation, deviation, weight);
-        b.count += 1;
+        float shrunk;
+        Bell bell = make_bell(d, p, s, deviation, weight, shrunk);
+        bell.weight *= shrunk * shrunk;  // no higher than a whole bell
+        if (bell.weight > 1e-5) {
+            b.all[b.count] = bell;
+            b.count += 1;
+            b.total += bell.weight;
+        }
     }
 }
 
@@ -152,79 +156,104 @@ float bending(Disk d, Lump p, Spot s, float deviation)
     return hypot(dot(growth, a), dot(growth, b)) + 0.3 * (dot(a, a) + dot(b, b));
 }
 
-void make_bells(Disk d, Lump p, float shares[], output Bells b)
+void make_bells(Disk d, Lump p, float gain, float table[], output Bells b)
 {
     float v = 1.0 / (p.n + 1.0);
     float deviation = lump_deviation(p.n);
     b.count = 0;
     b.share = 0.0;
+    b.total = 0.0;
     Spot s;
-    float bent = disk_spot(d, p.centre, s) ? bending(d, p, s, deviation) : 10.0;
-    if (bent > 1.5)
+    float bent = disk_spot(d, p.centre, s) ? bending(d, p, s, deviation) : 2.0 * TOO_BENT;
+    if (bent > TOO_BENT)
         return;
-    b.share = 1.0 - clamp(BENT * bent, 0.0, 0.6);
+    b.share = gain * (1.0 - min(BENT * bent, 0.6));
     if (v < SLENDER && bent < STRAIGHT) {
         add_bell(d, p, 0.0, 0.0, deviation, b.share * (1.0 - 0.8 * v), b);
         return;
     }
     float at = BELLS_PER_UNIT * v;
     int i = min((int)at, BELLS_PER_UNIT - 1);
-    float blend = at - i;
     float q[8];
     for (int k = 0; k < 8; k += 1)
-        q[k] = mix(shares[8 * i + k], shares[8 * i + 8 + k], blend);
+        q[k] = mix(table[8 * i + k], table[8 * i + 8 + k], at - i);
     add_bell(d, p, 0.0, 0.0, q[1] * deviation, b.share * q[0], b);
-    for (int k = 0; k < RING; k += 1) {
-        float phi = M_2PI * k / RING;
-        add_bell(d, p, q[3] * deviation * cos(phi), q[3] * deviation * sin(phi), q[4] * deviation, b.share * q[2] / RING, b);
-        phi += M_PI / RING;
-        add_bell(d, p, q[6] * deviation * cos(phi), q[6] * deviation * sin(phi), q[7] * deviation, b.share * q[5] / RING, b);
+    for (int ring = 0; ring < 2; ring += 1) {
+        int first = ring ? 5 : 2;
+        float radius = q[first + 1] * deviation;
+        for (int k = 0; k < RING; k += 1) {
+            float phi = M_2PI * (k + 0.5 * ring) / RING;
+            add_bell(d, p, radius * cos(phi), radius * sin(phi), q[first + 2] * deviation, b.share * q[first] / RING, b);
+        }
     }
 }
 
-// Laplacian of unit_lump.
+// Laplacian of unit_lump, for n >= 2.
 float lump_curvature(vector at, float n)
 {
     float r2 = dot(at, at);
     float inside = 1.0 - r2;
-    if (inside <= 0.0)
-        return 0.0;
-    return (n + 1.0) / M_PI * 4.0 * n * pow(inside, n - 2.0) * ((n - 1.0) * r2 - inside);
+    return inside > 0.0 ? (n + 1.0) / M_PI * 4.0 * n * pow(inside, n - 2.0) * ((n - 1.0) * r2 - inside) : 0.0;
 }
 
-closure color estimate_lump(Disk d, Lump p, color tint, vector numbers, int count, float spread, float shares[])
+// A lump no narrower than Cycles' narrowest facets: a radius that is too small is enlarged.
+Lump wide_enough(Disk d, Lump p)
 {
+    Lump wide = p;
+    Spot s;
+    if (disk_spot(d, p.centre, s)) {
+        float deviation = lump_deviation(p.n);
+        float least = 0.71 * NARROWEST;
+        wide.radii[0] *= max(least / length(half_step(d, s, deviation * p.radii[0] * p.along)), 1.0);
+        wide.radii[1] *= max(least / length(half_step(d, s, deviation * p.radii[1] * p.across)), 1.0);
+    }
+    return wide;
+}
+
+// Closures of one lump, times `tint`.
+closure color estimate_lump(Disk d, Lump given, Target t, color tint, vector numbers, int samples, float spread,
+                            float table[], TABLE(albedos))
+{
+    Lump p = wide_enough(d, given);
     Bells b;
-    make_bells(d, p, shares, b);
+    color base_tint = target_tint(t);
+    float gain = target_gain(t, d, p, albedos);
+    Lump like = target_like(t, d, p);
+    make_bells(d, like, gain * like.radii[0] * like.radii[1] / (p.radii[0] * p.radii[1]), table, b);
+    float left = 1.0 - b.total;
+    int count = clamp((int)ceil(samples * left / MUCH_LEFT), 1, samples);
+    float chance = clamp(left / LITTLE_LEFT, 0.05, 1.0);
     closure color sum = 0;
-    float owed = 0.0;
-    float drawn_n = DRAWN_N * p.n;
-    float drawn_r = DRAWN_R;
+    color owed = 0.0;
+    float drawn_n = 1.23 * p.n + 1.28;
     float deviation = lump_deviation(p.n);
-    for (int k = 0; k < count; k += 1) {
-        float r = drawn_r * sqrt(max(1.0 - pow(max(lattice_u(numbers, k, count), 1e-7), 1.0 / (drawn_n + 1.0)), 0.0));
-        float phi = M_2PI * lattice_v(numbers, k);
+    float at_edge = p.n >= 1.0 ? AT_EDGE * deviation : 0.0;
+    vector drawn = vector(numbers[0], numbers[1] / chance, 0.0);
+    for (int k = 0; k < count && numbers[1] < chance; k += 1) {
+        // Eq. 28.
+        float u = max(lattice_u(drawn, k, count), 1e-7);
+        float r = DRAWN_RADIUS * sqrt(max(1.0 - pow(u, 1.0 / (drawn_n + 1.0)), 0.0));
+        float phi = M_2PI * lattice_v(drawn, k);
         vector at = r * vector(cos(phi), sin(phi), 0.0);
-        float q = unit_lump(at / drawn_r, drawn_n) / (drawn_r * drawn_r);
+        float density = chance * unit_lump(at / DRAWN_RADIUS, drawn_n) / (DRAWN_RADIUS * DRAWN_RADIUS);
         Spot s;
-        if (disk_spot(d, lump_point(p, at[0], at[1]), s) && q > 0.0) {
-            float wide = spread * min(WIDEST * deviation, max(TO_EDGE * (1.0 - r), p.n >= 1.0 ? EDGE_LEAST * deviation : 0.0));
-            float left = unit_lump(at, p.n)
-                       - bells_value(b, d.frame.view, s.light) * p.radii[0] * p.radii[1] / s.stretch;
+        float shrunk;
+        if (density > 0.0 && disk_spot(d, lump_point(p, at[0], at[1]), s)) {
+            float wide = spread * min(WIDEST * deviation, max(TO_EDGE * (1.0 - r), at_edge));
+            float based = bells_value(b, d.frame.view, s.light) * p.radii[0] * p.radii[1] / s.stretch;
+            // What a bell blurs away from a part of the lump itself is put back.
             if (p.n >= 2.0)
-                left -= (1.0 - b.share) * 0.5 * wide * wide * lump_curvature(at, p.n);
-            float weight = min(left / q, HEAVIEST) / count;
-            if (weight > 0.0)
-                sum = bell_closure(make_bell(d, p, s, wide, wide, weight), d.frame, tint) + sum;
-            else
-                owed -= weight;
+                based += max(1.0 - b.share, 0.0) * 0.5 * wide * wide * lump_curvature(at, p.n);
+            color over = (target_density(t, d, p, at, s, albedos) - based * base_tint) / density;
+            owed -= clamp(over, color(-HEAVIEST), color(0.0)) / count;
+            color weight = clamp(over, color(0.0), color(HEAVIEST)) / count;
+            if (max(weight[0], max(weight[1], weight[2])) > 1e-5 && dot(s.light, d.up) > 0.0)
+                sum = weight * tint * bell_closure(make_bell(d, p, s, wide, 1.0, shrunk), d.frame) + sum;
         }
     }
-    float total = 0.0;
+    // Closures are put before the sum: Cycles takes it apart with a short stack, which a sum put first would overflow.
+    color kept = tint * max(base_tint - owed / max(b.total, 1e-3), color(0.0));
     for (int i = 0; i < b.count; i += 1)
-        total += b.all[i].weight;
-    float kept = max(1.0 - owed / max(total, 1e-3), 0.0);
-    for (int i = 0; i < b.count; i += 1)
-        sum = bell_closure(b.all[i], d.frame, kept * tint) + sum;
+        sum = kept * bell_closure(b.all[i], d.frame) + sum;
     return sum;
 }

@@ -25,12 +25,15 @@ color conductor(float mu, color n, color k)
     return 0.5 * perpendicular * (1.0 + (t3 - t4) / (t3 + t4));
 }
 
+// Schlick's approximation from f0 to f90.
+color schlick_factor(float mu, color f0, color f90) { return f0 + (f90 - f0) * pow(1.0 - clamp(mu, 0.0, 1.0), 5.0); }
+
 // Fresnel factor at V.H = mu.
 color fresnel_factor(Colour c, float mu)
 {
     float m = clamp(mu, 0.0, 1.0);
     if (c.choice == FRESNEL_SCHLICK)
-        return c.f0 + (c.f90 - c.f0) * pow(1.0 - m, 5.0);
+        return schlick_factor(m, c.f0, c.f90);
     if (c.choice == FRESNEL_CONDUCTOR)
         return conductor(m, c.n, c.k);
     return c.f0;

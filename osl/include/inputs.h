@@ -7,13 +7,15 @@ float exponent_of_roughness(float roughness)
     return 2.0 / (alpha * alpha) - 2.0;
 }
 
-Hit input_hit(float exponent, int use_roughness, float roughness, normal shading, normal surface, normal geometric,
-              vector view)
+float input_exponent(float exponent, int use_roughness, float roughness)
 {
-    float n = use_roughness ? exponent_of_roughness(roughness) : exponent;
-    // Unlinked, the socket holds zeros: the surface's own normal.
-    normal shading_normal = dot(shading, shading) > 1e-8 ? normalize(shading) : surface;
-    return make_hit(make_frame(shading_normal, geometric, view), clamp(n, 1.0, 100000.0));
+    return clamp(use_roughness ? exponent_of_roughness(roughness) : exponent, 1.0, 100000.0);
+}
+
+// A number held to its range; what is none is `otherwise`.
+float input_number(float value, float least, float most, float otherwise)
+{
+    return isnan(value) ? otherwise : clamp(value, least, most);
 }
 
 Colour input_colour(int choice, color f0, color f90, color n, color k)
@@ -36,5 +38,6 @@ closure color broken_table(string file)
     return stripe * diffuse(N);
 }
 
-// What is no number is the default.
-float input_spread(float light_spread) { return isnan(light_spread) ? 1.0 : clamp(light_spread, 0.0, 2.0); }
+float input_spread(float light_spread) { return input_number(light_spread, 0.0, 2.0, 1.0); }
+
+color input_color(color value) { return clamp(value, color(0.0), color(1.0)); }

@@ -18,6 +18,8 @@ struct Axes {
     float density;
     float law;
     float stamp;
+    int sine;    // read linearly in the sine of the angle
+    int height;  // rows of the image, without its markers
 };
 
 // What a hit needs to know of a table: its row (it has one exponent) and the scales of the columns there.
@@ -60,7 +62,12 @@ float column_cosine(Row r, int i)
     return z / sqrt(1.0 + z * z);
 }
 
-float column_law(Row r, float mu) { return r.axes.facing > 0.0 ? mu * (mu + 1.0 / r.k) : mu; }
+float column_law(Row r, float mu)
+{
+    if (r.axes.sine)
+        return -sqrt(max(1.0 - mu * mu, 0.0));
+    return r.axes.facing > 0.0 ? mu * (mu + 1.0 / r.k) : mu;
+}
 
 // Column number of a cosine: the cell's index plus how far into it the reading is.
 float column_position(Row r, float mu)
@@ -92,7 +99,7 @@ void texel(string file, float s, float t, output float a[4])
 // The marker row at the top tells a valid table from a missing, stale or foreign image, and which way up it is read.
 void table_check(string file, output Row r)
 {
-    float height = r.axes.rows + 2;
+    float height = r.axes.height + 2;
     float marker[4];
     texel(file, 0.5, 0.5 / height, marker);
     r.valid = abs(marker[0] + 1.0) < 1e-3 && abs(marker[1] - r.axes.stamp) < 5e-6 && abs(marker[3] - 1.0) < 1e-3;
@@ -101,7 +108,7 @@ void table_check(string file, output Row r)
 
 void table_read(string file, Row r, float mu, int channels, output float a[4])
 {
-    float height = r.axes.rows + 2;
+    float height = r.axes.height + 2;
     float t = (r.row + r.blend + 1.5) / height;
     texel(file, (column_position(r, mu) + 0.5) / r.axes.columns, r.flipped ? 1.0 - t : t, a);
 }

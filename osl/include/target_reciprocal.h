@@ -1,0 +1,45 @@
+// What is estimated on the disk: the lump made symmetric, pumped up, times the colour; see ReciprocalDiskLobe in
+// addon/brdf/lobes.py.
+
+struct Target {
+    Correction c;
+    Colour colour;
+};
+
+// Square root of the profile of the largest lump at a cosine, over its slope R / cosine = tan(45 deg - theta / 2).
+float root_profile(float mu, float tan2, float n)
+{
+    float slope = mu / (1.0 + sqrt(max(1.0 - mu * mu, 0.0)));
+    float inside = 1.0 - tan2 / (slope * slope);
+    return inside > 0.0 ? pow(inside, 0.5 * n) / slope : 0.0;
+}
+
+color target_density(Target t, Disk d, Lump p, vector at, Spot s, TABLE(albedos))
+{
+    float mu = d.frame.view[2];
+    float tan2 = 1.0 / (s.h[2] * s.h[2]) - 1.0;
+    float symmetric = (p.n + 1.0) / M_PI * root_profile(mu, tan2, p.n) * root_profile(s.light[2], tan2, p.n);
+    // f (N.L) over dh / dL, in units of the radii; what both share cancels.
+    float density = symmetric * sqrt(s.light[2] / mu) / (mu * mu) * p.radii[0] * p.radii[1];
+    return density / correction(t.c, s.light[2], albedos, albedos) * fresnel_factor(t.colour, dot(d.frame.view, s.h));
+}
+
+color target_tint(Target t) { return fresnel_factor(t.colour, t.c.mu_view); }
+
+// How much more the mirror direction shows than the view's lump: bells are no higher than that.
+float target_gain(Target t, Disk d, Lump p, TABLE(albedos))
+{
+    return 1.0 / correction(t.c, d.frame.view[2], albedos, albedos);
+}
+
+// The lump that the bells are made for. Beside the mirror direction, away from the normal, the light's own lump is the
+// narrower: as it is 1.6 standard deviations away.
+Lump target_like(Target t, Disk d, Lump p)
+{
+    Lump like = p;
+    float slope = p.radii[0] / d.frame.view[2];
+    float half_room = max(atan(slope) - 1.6 * atan(slope * inversesqrt(2.0 * (p.n + 2.0))), 0.2 * atan(slope));
+    like.radii[0] = tan(half_room) * d.frame.view[2];
+    like.radii[1] = like.radii[0];
+    return like;
+}

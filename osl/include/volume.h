@@ -1,0 +1,21 @@
+// What a round lump about the origin keeps of its volume on the disk: see VolumeTable in addon/brdf/tables.py.
+
+float lump_volume(Row row, float mu_view, float radius, TABLE(volumes))
+{
+    float distance = mu_view * mu_view / (1.0 + sqrt(max(1.0 - mu_view * mu_view, 0.0)));
+    float place = (1.0 - sqrt(max(1.0 - radius, 0.0))) * (VOLUME_LAYERS - 1);
+    int layer = min((int)place, VOLUME_LAYERS - 2);
+    float at[2];
+    float radii[2];
+    for (int k = 0; k < 2; k += 1) {
+        int l = layer + k;
+        float below = 1.0 - l / (VOLUME_LAYERS - 1.0);
+        radii[k] = 1.0 - below * below;
+        Row block = row;
+        block.row += (l / 4) * row.axes.rows;
+        float four[4];
+        table_read(volumes, block, min(distance / radius, 1.0), 4, four);
+        at[k] = four[l - 4 * (l / 4)];
+    }
+    return mix(at[0], at[1], (radius - radii[0]) / (radii[1] - radii[0]));
+}
