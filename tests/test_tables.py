@@ -68,10 +68,25 @@ def test_columns_are_dense_where_albedos_change():
 def test_reading_is_exact_at_the_nodes(name):
     table = TABLES[name]
     nodes = tables.load(table)
+    if isinstance(table, tables.VolumeTable):
+        _assert_volumes_are_read(table, nodes)
+        return
     for row in (0, 1, table.rows.rows // 2, table.rows.rows - 1):
         n = table.rows.exponents()[row]
         value = tables.albedos(table.lobe, table.control, table.columns.cosines(n), n)
         np.testing.assert_allclose(value, nodes[row], rtol=1e-6)
+
+
+def _assert_volumes_are_read(table, nodes):
+    """At every radius but 0, which no lump has."""
+    for layer in range(1, table.layers):
+        for row in (0, 7, table.rows.rows - 1):
+            m, radius = table.rows.exponents()[row], table.radii[layer]
+            distance = table.columns.cosines(m) * radius
+            mu = np.sqrt(1.0 - (1.0 - distance) ** 2)
+            value = tables.volumes(mu, np.full_like(mu, m - 1.0), np.full_like(mu, radius))
+            kept = nodes[layer // 4 * table.rows.rows + row, :, layer % 4]
+            np.testing.assert_allclose(value, kept, rtol=1e-5)
 
 
 def test_reading_blends_two_rows_and_two_columns():
@@ -94,7 +109,7 @@ def test_marker_rows(name):
     """What a shader checks: (-1, stamp, 0 at the top or 1 at the bottom, format) in every column."""
     table = TABLES[name]
     image, _ = exr.read(table.path)
-    assert image.shape == (table.rows.rows + 2, table.columns.columns, 4) and image.dtype == np.float32
+    assert image.shape == (table.height + 2, table.columns.columns, 4) and image.dtype == np.float32
     np.testing.assert_array_equal(image[0], np.tile(np.float32([-1.0, table.stamp, 0.0, 1.0]), (image.shape[1], 1)))
     np.testing.assert_array_equal(image[-1], np.tile(np.float32([-1.0, table.stamp, 1.0, 1.0]), (image.shape[1], 1)))
     assert 0.0 <= table.stamp < 1.0 and np.float32(table.stamp) == table.stamp

@@ -1,9 +1,9 @@
 """Bells: the Beckmann microfacets that make up most of a lump on the halfway vector disk.
 
 On the disk, in units of the lump's radii, a lump is (n+1)/pi (1 - r^2)^n, and a microfacet closure is nearly a normal
-distribution, a bell (see osl/include/disk_estimator.h). One bell in the middle and two rings of six, staggered, come near
-the lump and stay below it, as bells cannot take light away. Their shares, radii and widths depend on the exponent alone:
-they are tabulated over v = 1/(n+1), with lengths in units of the lump's standard deviation 1 / sqrt(2 (n+2)).
+distribution, a bell (see osl/include/disk_estimator.h). One bell in the middle and two rings of six, staggered, come
+near the lump and stay below it, as bells cannot take light away. Their shares, radii and widths depend on the exponent
+alone: they are tabulated over v = 1/(n+1), with lengths in units of the lump's standard deviation 1 / sqrt(2 (n+2)).
 """
 import json
 import os

@@ -8,9 +8,9 @@ def provenance(table) -> dict:
     """What the image says of itself."""
     return {
         "plausible:model": "volume of a round lump about the origin inside the halfway vector disk",
-        "plausible:source": "Edwards et al., The halfway vector disk for BRDF modeling, eq. 26, and its last section",
-        "plausible:grid": f"columns {table.columns!r}, rows {table.rows!r} of n + 1, {table.layers} radii, one marker row "
-                          "above and below",
+        "plausible:source": "Edwards et al., The halfway vector disk for BRDF modeling, eq. 26 and last section",
+        "plausible:grid": f"columns {table.columns!r}, rows {table.rows!r} of n + 1, {table.layers} radii, one "
+                          "marker row above and below",
         "plausible:quadrature": "closed form along each direction, Gauss-Legendre over 41 x 8 directions",
     }
 

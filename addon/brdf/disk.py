@@ -1,8 +1,9 @@
 """The halfway vector disk: half vectors as points of a unit disk, and lumps as densities on it.
 
-Given the view V, the hemisphere of lights L is moved so that its base is centred at the tip of V; every V+L ends on it,
-and is projected to the base, which is the unit disk about the in-plane part of V. A density p on the disk makes the BRDF
-f = p(h) (dh/dH) / (4 (N·L)(L·H)) (eq. 11), whose albedo is the volume that p has inside the disk. It is not reciprocal.
+Given the view V, the hemisphere of lights L is moved so that its base is centred at the tip of V; every V+L ends on
+it, and is projected to the base, which is the unit disk about the in-plane part of V. A density p on the disk makes
+the BRDF f = p(h) (dh/dH) / (4 (N·L)(L·H)) (eq. 11), whose albedo is the volume that p has inside the disk. It is not
+reciprocal.
 
 Source: Edwards, Boulos, Johnson, Shirley, Ashikhmin, Stark, Wyman, "The halfway vector disk for BRDF modeling", 2006;
 equations are numbered as there. Points are (u, v), the in-plane components along x and y of the local frame.
@@ -136,8 +137,8 @@ class Lump:
         radii = np.broadcast_to(self.radii, (rows, 2))
         n = np.broadcast_to(np.asarray(self.exponent, dtype=np.float64), (rows,))
         away = (np.broadcast_to(self.centre, (rows, 2)) - disk_centre) @ self._axes().T
-        # Where the disk's edge is nearest, seen with the radii as units, is where most changes.
-        nearest = np.arctan2(away[:, 1] / radii[:, 1], away[:, 0] / radii[:, 0])
+        # With the radii as units, directions a right angle from this one run along the disk's edge nearby.
+        nearest = np.arctan2(away[:, 1] * radii[:, 1], away[:, 0] * radii[:, 0])
         nodes, weights = _directions(_crossing(np.sqrt(dot(away, away)), radii), order)
         phi = nearest[:, None] + nodes
         step = np.stack([np.cos(phi), np.sin(phi)], axis=-1) * radii[:, None, :]
@@ -151,15 +152,16 @@ class Lump:
 
 
 def _crossing(distance, radii):
-    """Angle (N,) from the nearest direction at which the rim of a round lump crosses the disk's; a right angle elsewhere."""
+    """Angle (N,) from the nearest direction at which a round lump's rim crosses the disk's; a right angle elsewhere."""
     cosine = (1.0 - distance**2 - radii[:, 0] ** 2) / np.maximum(2.0 * distance * radii[:, 0], 1e-300)
     round_and_cut = (radii[:, 0] == radii[:, 1]) & (np.abs(cosine) < 1.0)
     return np.where(round_and_cut, np.arccos(np.clip(cosine, -1.0, 1.0)), 0.5 * np.pi)
 
 
 def _directions(crossing, order, panels=40):
-    """Angles and weights (of a mean) (N, nodes) from -pi to pi: Gauss-Legendre panels that narrow towards 0 and both right
-    angles, with one more end at `crossing` (N,).
+    """Angles and weights of a mean, both (N, nodes), from -pi to pi.
+
+    Gauss-Legendre panels narrow towards 0 and both right angles, with one more end at `crossing` (N,).
     """
     x, w = np.polynomial.legendre.leggauss(order)
     narrow = np.geomspace(1e-5, 1.0, panels // 2)
@@ -182,7 +184,7 @@ def value(projection, density, view, light):
 
 
 def room(mu_view):
-    """Largest radius of a lump about the origin that stays on the disk at N·V = `mu_view`: 1 - sin theta (below eq. 32).
+    """Largest radius of a lump about the origin that stays on the disk at N·V = `mu_view`: 1 - sin theta (eq. 32).
 
     Written without cancellation: cos^2 / (1 + sin).
     """
@@ -190,6 +192,6 @@ def room(mu_view):
 
 
 def held_radii(radii, allowed):
-    """`radii` (2,) shrunk by one factor so that the larger is at most `allowed` (N,): (N, 2). Keeps the lump's shape."""
+    """`radii` (2,) shrunk by one factor so that the larger is at most `allowed` (N,): (N, 2), the lump's shape kept."""
     radii = np.asarray(radii, dtype=np.float64)
     return radii * np.minimum(1.0, allowed / radii.max())[:, None]

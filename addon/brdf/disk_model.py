@@ -27,13 +27,13 @@ class LumpRule:
 
 
 def exponent_between(normal, grazing, mu_view):
-    """Exponent (N,) at N·V = `mu_view` between the one at the normal and the one at grazing: n+1 changes geometrically."""
+    """Exponent (N,) at N·V = `mu_view` between that at the normal and that at grazing: n+1 changes geometrically."""
     return (normal + 1.0) ** mu_view * (grazing + 1.0) ** (1.0 - mu_view) - 1.0
 
 
 @dataclass(frozen=True)
 class DiskModel(Model):
-    """f = F / (N·L) times a density of lights, made of lumps on the disk; plus (1 - F) C_d / pi where it has a diffuse colour.
+    """f = F / (N·L) times a density of lights, made of lumps on the disk; plus (1 - F) C_d / pi with a diffuse colour.
 
     F is Schlick's factor from `base_color` to `f90` at the view's angle (Edwards et al. eq. 30, 34).
     """
@@ -81,7 +81,7 @@ class DiskModel(Model):
         """F times `specular` (N,) and (1 - F) C_d times `diffuse`: (N,) where the model is white, else (N, 3)."""
         if self._is_white(p):
             return specular
-        factor = fresnel.schlick(mu, p["base_color"], p["f90"] if "f90" in p else (1.0, 1.0, 1.0))
+        factor = fresnel.schlick(mu, p["base_color"], p.get("f90", (1.0, 1.0, 1.0)))
         return factor * specular[:, None] + (1.0 - factor) * np.asarray(p.get("diffuse_color", 0.0)) * diffuse
 
     @staticmethod

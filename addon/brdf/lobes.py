@@ -188,8 +188,8 @@ class ReciprocalDiskLobe:
     def ends(theta):
         """Light angles, but for those at its reach, where the lobe ends for a view at `theta`.
 
-        On the mirror's side of the plane of incidence it ends where the light's own lump, then the smaller, does; on the
-        view's own side either lump may end it: around the normal, at less than that, all azimuths are lit.
+        On the mirror's side of the plane of incidence it ends where the light's own lump, then the smaller, does; on
+        the view's own side either lump may end it: around the normal, at less than that, all azimuths are lit.
         """
         quarter = 0.25 * np.pi
         return [quarter + 0.5 * theta, 2.0 * (quarter - theta), quarter - 0.5 * theta]

@@ -137,15 +137,15 @@ LUMP = (
 )
 ROTATION = (Parameter("rotation", "Rotation", "float", 0.0, "Turn of the lumps about the normal; 1 is a full turn"),)
 EDGE = (
-    Parameter("base_color", "Color", "color", (1.0, 1.0, 1.0), "Reflectance at normal incidence, linear RGB", 0.0, 1.0),
-    Parameter("f90", "Edge Color", "color", (1.0, 1.0, 1.0), "Reflectance at grazing incidence", 0.0, 1.0),
+    Parameter("base_color", "Color", "color", (1.0, 1.0, 1.0), "Reflectance at normal incidence, linear RGB"),
+    Parameter("f90", "Edge Color", "color", (1.0, 1.0, 1.0), "Reflectance at grazing incidence"),
 )
 EMPIRICAL = (
-    Parameter("diffuse_color", "Diffuse Color", "color", (0.3, 0.3, 0.3), "Color of what the surface lets in", 0.0, 1.0),
+    Parameter("diffuse_color", "Diffuse Color", "color", (0.3, 0.3, 0.3), "Color of what the surface lets in"),
     Parameter("base_color", "Specular Color", "color", (0.04, 0.04, 0.04),
               "Reflectance at normal incidence F0; at grazing it is 1", 0.0, 1.0),
     *LUMP,
-    Parameter("retro", "Retroreflection", "float", 0.0, "Share k of what is reflected that goes back to where it came from"),
+    Parameter("retro", "Retroreflection", "float", 0.0, "Share k of what is reflected that goes back to its source"),
     _lump_exponent("retro_exponent", "Retro Exponent", 100.0, "Exponent of the lump that reflects back"),
     _radius("retro_radius_u", "Retro Radius U", 1.0, "Radius, along the tangent, of the lump that reflects back"),
     _radius("retro_radius_v", "Retro Radius V", 1.0, "Radius, across the tangent, of the lump that reflects back"),
@@ -155,7 +155,7 @@ EMPIRICAL = (
                    "Exponent of the lump that reflects back where it is seen at grazing"),
 )
 DATA_FIT = (
-    Parameter("diffuse_color", "Diffuse Color", "color", (0.1, 0.1, 0.1), "Color of what the surface lets in", 0.0, 1.0),
+    Parameter("diffuse_color", "Diffuse Color", "color", (0.1, 0.1, 0.1), "Color of what the surface lets in"),
     Parameter("base_color", "Specular Color", "color", (0.5, 0.5, 0.5), "Reflectance at normal incidence F0", 0.0, 1.0),
     Parameter("f90", "Edge Color", "color", (1.0, 1.0, 1.0), "Reflectance at grazing incidence", 0.0, 1.0),
     _lump_exponent("exponent", "Exponent", 50.0, "Exponent n of the first lump: 0 is a flat disk, larger is sharper"),

@@ -58,8 +58,8 @@ class VolumeTable:
     """Volume that a round lump about the origin keeps inside the disk, over (view, exponent, radius R).
 
     The disk's edge is 1 - sin theta away from the lump's centre. Columns are that distance in parts of R, as
-    `ColumnAxis` for n + 1; so are rows. `layers` radii lie from 0 to 1, denser towards 1, where a lump is as round as the
-    disk, and blend linearly.
+    `ColumnAxis` for n + 1; so are rows. `layers` radii lie from 0 to 1, denser towards 1, where a lump is as round as
+    the disk, and blend linearly.
     """
 
     columns: ColumnAxis

@@ -12,7 +12,7 @@ EDWARDS = ("Edwards, Boulos, Johnson, Shirley, Ashikhmin, Stark, Wyman, The half
 
 register(DiskModel(
     id="disk_scaling", label="Disk Lump",
-    description="A lump on the halfway vector disk: loses no light at any angle, with off-specular peaks. Not reciprocal",
+    description="A lump on the halfway vector disk: no light lost at any angle, off-specular peaks; not reciprocal",
     parameters=LUMP + ROTATION + EDGE + TANGENT + ESTIMATOR, tables=(),
     projection=SCALING, lumps=(LumpRule("exponent", ("radius_u", "radius_v")),),
     formula="F p(h) (N·V)² / (4 (N·L)(L·H)(N·H)³), h = (N·V)/(N·H) H", references=(EDWARDS + ", eq. 20, 27",),
@@ -32,11 +32,12 @@ register(DiskModel(
     lumps=(LumpRule("exponent", ("radius_u", "radius_v"), "grazing_exponent", share="retro", rest=True),
            LumpRule("retro_exponent", ("retro_radius_u", "retro_radius_v"), "retro_grazing_exponent", retro=True,
                     share="retro")),
-    formula="(1-F) C_d/π + F [(1-k) specular lump + k retroreflective lump]", references=(EDWARDS + ", eq. 30, 32, 33",),
+    formula="(1-F) C_d/π + F [(1-k) specular lump + k retroreflective lump]",
+    references=(EDWARDS + ", eq. 30, 32, 33",),
 ))
 register(DiskModel(
     id="edwards_fit", label="Edwards Data Fit",
-    description="Two specular lumps by the orthogonal projection, made to fit measured data; renormalized it loses no light",
+    description="Two specular lumps by the orthogonal projection, to fit measured data; renormalized it loses no light",
     parameters=DATA_FIT + ESTIMATOR, tables=("disk_volume",),
     projection=ORTHOGONAL,
     lumps=(LumpRule("exponent", ("radius",), held=False, share="blend", rest=True),
