@@ -164,12 +164,46 @@ def test_panel_shows_what_the_model_reads_and_nothing_else(bpy, model_id, in_edi
     model = brdf.MODELS[model_id]
     material = make(model_id)
     context = context_for(bpy, material, space=shader_editor(material) if in_editor else None)
-    ids = {p.id for p in model.parameters if p.kind != "vector"}
-    for fresnel, rough in itertools.product(FRESNEL, (False, True)):
+    from addon.blender.properties import NAMES
+
+    shown = {p.id: NAMES[p] for p in model.parameters if p.kind != "vector"}
+    for fresnel, rough, vary in itertools.product(FRESNEL, (False, True), (False, True)):
         material.plausible_brdf.fresnel_type = fresnel
-        material.plausible_brdf.use_roughness = rough
-        expected = ids - (COLOURS - FRESNEL[fresnel]) - {"exponent" if rough else "roughness"} | {"model"}
+        unread = COLOURS - FRESNEL[fresnel] if "fresnel_type" in shown else set()
+        if "use_roughness" in shown:
+            material.plausible_brdf.use_roughness = rough
+            unread |= {"exponent" if rough else "roughness"}
+        if "vary_exponents" in shown:
+            material.plausible_brdf.vary_exponents = vary
+            unread |= set() if vary else {"grazing_exponent", "retro_grazing_exponent"}
+        expected = {name for key, name in shown.items() if key not in unread} | {"model"}
         assert set(properties(drawn(context))) == expected
+
+
+def test_presets(bpy):
+    """Each is a valid choice of its model's parameters, and is put into any material of ours as it stands."""
+    from addon.blender import materials
+    from addon.brdf.presets import PRESETS
+
+    assert len(PRESETS) >= 7
+    for name, preset in PRESETS.items():
+        material = make("pumped_phong", exponent=3.0, base_color=(0.5, 0.25, 0.125))
+        with bpy.context.temp_override(material=material):
+            assert bpy.ops.plausible.apply_preset(preset=name) == {"FINISHED"}
+        node = materials.script_node(material)
+        model = materials.model_of(node)
+        assert model.id == preset.model
+        expected = model.resolve(preset.parameters)
+        for key, value in materials.values(node).items():
+            assert value == pytest.approx(expected[key], rel=1e-6), (name, key)
+    menus = [given["menu"] for kind, given in drawn(context_for(bpy, material)) if kind == "menu"]
+    assert "PLAUSIBLE_MT_presets" in menus
+
+
+def test_a_lump_that_is_shrunk_is_told(bpy):
+    for parameters, told in (({"radius_u": 1.0}, True), ({"radius_u": 0.1, "radius_v": 0.05}, False)):
+        log = drawn(context_for(bpy, make("disk_scaling", **parameters)))
+        assert ("stays on the disk" in texts(log)) == told
 
 
 def test_linked_socket_shows_its_source_and_no_slider(bpy):
@@ -199,8 +233,9 @@ def test_properties_are_declared_by_the_registry(bpy, model_id):
         if parameter.kind == "enum":
             assert [item.identifier for item in declared.enum_items] == [item[0] for item in parameter.items]
         elif parameter.kind != "bool" and math.isfinite(parameter.maximum):
-            assert declared.hard_min == parameter.minimum and declared.hard_max == parameter.maximum
-            assert parameter.minimum <= declared.soft_min < declared.soft_max <= parameter.maximum
+            bounds = pytest.approx((parameter.minimum, parameter.maximum), rel=1e-6)  # Blender's are of single precision
+            assert (declared.hard_min, declared.hard_max) == bounds
+            assert declared.hard_min <= declared.soft_min < declared.soft_max <= declared.hard_max
 
 
 def test_values_live_in_the_sockets_only(bpy):

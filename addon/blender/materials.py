@@ -154,6 +154,18 @@ def change_model(material, model_id: str):
     update_stand_in(material)
 
 
+def apply_preset(material, preset):
+    """Turn a material into a `brdf.presets.Preset`: its model, and every parameter that the formula takes."""
+    node = script_node(material)
+    if node is None or model_of(node).id != preset.model:
+        change_model(material, preset.model)
+        node = script_node(material)
+    for parameter in model_of(node).parameters:
+        if parameter.evaluated:
+            _write(node, parameter, preset.parameters.get(parameter.id, parameter.default))
+    update_stand_in(material)
+
+
 def use_osl(scene) -> bool:
     """Switch Open Shading Language on in a scene; returns whether it had been off."""
     was_off = not scene.cycles.shading_system

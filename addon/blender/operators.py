@@ -4,9 +4,11 @@ import time
 import bpy
 
 from ..brdf.metals import METALS
+from ..brdf.presets import PRESETS
 from . import luts, materials, osl
 from .properties import MODEL_ITEMS
 
+_PRESET_ITEMS = [(name, preset.label, preset.help, i) for i, (name, preset) in enumerate(PRESETS.items())]
 _METAL_ITEMS = [(name, metal.label, metal.reference, i) for i, (name, metal) in enumerate(METALS.items())]
 _TICK = 0.1  # seconds between two looks at a bake
 
@@ -126,6 +128,44 @@ class PLAUSIBLE_MT_metals(bpy.types.Menu):
     def draw(self, context):
         for name, metal in METALS.items():
             self.layout.operator("plausible.set_metal", text=metal.label).metal = name
+
+
+class PLAUSIBLE_OT_apply_preset(bpy.types.Operator):
+    """Turn the material into a preset: its model and all of its parameters; what is plugged in stays"""
+
+    bl_idname = "plausible.apply_preset"
+    bl_label = "Apply Preset"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: bpy.props.EnumProperty(name="Preset", items=_PRESET_ITEMS)
+
+    @classmethod
+    def description(cls, context, properties):
+        return PRESETS[properties.preset].help
+
+    @classmethod
+    def poll(cls, context):
+        material = material_of(context)
+        return material is not None and material.is_editable and plausible_node(material)[1] is not None
+
+    def execute(self, context):
+        try:
+            materials.apply_preset(material_of(context), PRESETS[self.preset])
+        except (RuntimeError, ValueError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class PLAUSIBLE_MT_presets(bpy.types.Menu):
+    """Materials by name"""
+
+    bl_idname = "PLAUSIBLE_MT_presets"
+    bl_label = "Presets"
+
+    def draw(self, context):
+        for name, preset in PRESETS.items():
+            self.layout.operator("plausible.apply_preset", text=preset.label).preset = name
 
 
 class PLAUSIBLE_OT_bake_luts(bpy.types.Operator):
@@ -261,5 +301,6 @@ class PLAUSIBLE_OT_update_materials(bpy.types.Operator):
 
 CLASSES = (
     PLAUSIBLE_OT_new_material, PLAUSIBLE_OT_use_osl, PLAUSIBLE_OT_set_metal, PLAUSIBLE_MT_metals,
+    PLAUSIBLE_OT_apply_preset, PLAUSIBLE_MT_presets,
     PLAUSIBLE_OT_bake_luts, PLAUSIBLE_OT_cancel_bake, PLAUSIBLE_OT_update_materials,
 )

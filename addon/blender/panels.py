@@ -3,13 +3,16 @@ import textwrap
 
 import bpy
 
-from ..brdf.parameters import COLOUR
+from ..brdf.disk_model import DiskModel
+from ..brdf.parameters import COLOUR, EMPIRICAL
 from . import luts, operators, status
-from .materials import socket_of
+from .materials import socket_of, values
 from .operators import material_of, plausible_node
 from .properties import NAMES
 
-_COLOUR_IDS = {parameter.id for parameter in COLOUR}
+_COLOUR_IDS = {parameter.id for parameter in COLOUR} | {"diffuse_color"}
+_RETRO_IDS = {parameter.id for parameter in EMPIRICAL if parameter.id.startswith("retro")}
+_AT_GRAZING = {"grazing_exponent", "retro_grazing_exponent"}  # read where exponents vary with the angle
 _METAL_IDS = {"base_color", "ior", "extinction"}
 # A parameter that only one choice of Fresnel reads is shown with that choice only.
 _ONLY_WITH = {"f90": ("schlick",), "ior": ("conductor",), "extinction": ("conductor",),
@@ -55,16 +58,16 @@ def draw_parameter(layout, material, node, parameter):
     source = socket_of(node, parameter)
     if source is None:
         return
-    values, name = material.plausible_brdf, NAMES[parameter]
+    group, name = material.plausible_brdf, NAMES[parameter]
     if source.is_linked:
         _draw_link(layout, parameter.label, source.links[0].from_node)
     elif parameter.kind == "color" and parameter.maximum > 1.0:
         column = layout.column(align=True)
-        column.prop(values, name, index=0, text=f"{parameter.label}  R")
-        column.prop(values, name, index=1, text="G")
-        column.prop(values, name, index=2, text="B")
+        column.prop(group, name, index=0, text=f"{parameter.label}  R")
+        column.prop(group, name, index=1, text="G")
+        column.prop(group, name, index=2, text="B")
     elif parameter.kind != "vector":  # three numbers tell nobody a direction: a vector is for links
-        layout.prop(values, name, text=parameter.label)
+        layout.prop(group, name, text=parameter.label)
 
 
 def _draw_link(layout, label, node):
@@ -110,6 +113,7 @@ class _Main(_Face):
         row = layout.row(align=True)
         row.prop(material.plausible_brdf, "model")
         row.operator("plausible.new_material", text="", icon="ADD").model = model.id
+        row.menu("PLAUSIBLE_MT_presets", text="", icon="PRESET")
         if status.osl_is_on(context.scene):
             note = layout.row()
             note.active = False
@@ -121,7 +125,8 @@ class _Lobe(_Face):
 
     def draw(self, context):
         layout, material, node, model = self.begin(context)
-        shown = [p for p in model.parameters if p.evaluated and p.id not in _COLOUR_IDS]
+        shown = [p for p in model.parameters if p.evaluated and p.id not in _COLOUR_IDS | _RETRO_IDS
+                 and _at_this_angle(p, material, model)]
         by_id = {p.id: p for p in shown}
         hidden = _unused_width(material, node, by_id)
         for parameter in shown:
@@ -130,6 +135,41 @@ class _Lobe(_Face):
             # The switch stands under what it switches.
             if parameter.id == "roughness":
                 draw_parameter(layout, material, node, by_id["use_roughness"])
+
+
+        draw_hint(layout, context, node, model)
+
+
+def draw_hint(layout, context, node, model):
+    """A word where lumps are shrunk to stay on the disk."""
+    if isinstance(model, DiskModel) and model.is_held(model.resolve(values(node))):
+        note = layout.column()
+        note.active = False
+        draw_text(note, context, "Seen at a slant the lump is shrunk to a radius of 1 - sin θ, its shape kept, so that "
+                                 "it stays on the disk and no light is lost", "INFO")
+
+
+def _at_this_angle(parameter, material, model):
+    """Whether the model reads a parameter: exponents at grazing only where they vary, which a link may decide."""
+    if parameter.id not in _AT_GRAZING:
+        return True
+    node = plausible_node(material)[0]
+    return socket_of(node, model.parameter("vary_exponents")).is_linked or material.plausible_brdf.vary_exponents
+
+
+class _Retro(_Face):
+    bl_label = "Retroreflection"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and any(p.id in _RETRO_IDS
+                                             for p in plausible_node(material_of(context))[1].parameters)
+
+    def draw(self, context):
+        layout, material, node, model = self.begin(context)
+        for parameter in model.parameters:
+            if parameter.id in _RETRO_IDS and _at_this_angle(parameter, material, model):
+                draw_parameter(layout, material, node, parameter)
 
 
 def _unused_width(material, node, by_id):
@@ -223,7 +263,7 @@ def _panels():
     """Each face in both places, parents first."""
     panels = []
     for place, prefix in ((_InMaterialTab, "PLAUSIBLE_PT"), (_InShaderEditor, "PLAUSIBLE_PT_node")):
-        for face in (_Main, _Lobe, _Color, _Sampling, _Tables):
+        for face in (_Main, _Lobe, _Retro, _Color, _Sampling, _Tables):
             name = f"{prefix}_{face.__name__.strip('_').lower()}"
             parent = {} if face is _Main else {"bl_parent_id": f"{prefix}_main"}
             panels.append(type(name, (face, place, bpy.types.Panel), {"bl_idname": name, **parent}))
