@@ -4,8 +4,8 @@ from pathlib import Path
 
 from ..cli import CommandError
 
-DESCRIPTION = "Plot albedos and lobes of the reference models, as PNG and SVG."
-SETS = {"pumping": "addon.figures.pumping"}
+DESCRIPTION = "Plot albedos, lobes and half vectors of the reference models, as PNG and SVG."
+SETS = {"pumping": "addon.figures.pumping", "disk": "addon.figures.disk"}
 
 
 def add_arguments(parser):

@@ -15,7 +15,8 @@
 #define STRAIGHT 0.02     // where the disk's map is as straight as this
 #define BENT 0.6          // share that the bells leave to splats, for its bending: they follow a bent lump badly
 #define TOO_BENT 1.0      // there is no use in bells
-#define WIDEST 0.2        // of a lump's standard deviation: splats, and at most
+#define WIDEST 0.2        // of a lump's standard deviation: splats,
+#define UNSHARP 0.1       // or, where their blur is not put back, this; and at most
 #define TO_EDGE 0.3       // of the way to the lump's edge,
 #define AT_EDGE 0.12      // or this of the standard deviation where the edge is soft
 #define MUCH_LEFT 0.1     // of the volume: where all samples per hit are drawn
@@ -228,6 +229,9 @@ closure color estimate_lump(Disk d, Lump given, Target t, color tint, vector num
     float drawn_n = 1.23 * p.n + 1.28;
     float deviation = lump_deviation(p.n);
     float at_edge = p.n >= 1.0 ? AT_EDGE * deviation : 0.0;
+    // Over the whole lump what is put back sums up to nothing, but not over a part of it, where it leaves the disk: there
+    // splats are smaller.
+    int sharpened = p.n >= 2.0 && (!d.orthogonal || disk_room(d) > 3.0 * deviation * max(p.radii[0], p.radii[1]));
     vector drawn = vector(numbers[0], numbers[1] / chance, 0.0);
     for (int k = 0; k < count && numbers[1] < chance; k += 1) {
         // Eq. 28.
@@ -239,10 +243,10 @@ closure color estimate_lump(Disk d, Lump given, Target t, color tint, vector num
         Spot s;
         float shrunk;
         if (density > 0.0 && disk_spot(d, lump_point(p, at[0], at[1]), s)) {
-            float wide = spread * min(WIDEST * deviation, max(TO_EDGE * (1.0 - r), at_edge));
+            float wide = spread * min((sharpened ? WIDEST : UNSHARP) * deviation, max(TO_EDGE * (1.0 - r), at_edge));
             float based = bells_value(b, d.frame.view, s.light) * p.radii[0] * p.radii[1] / s.stretch;
-            // What a bell blurs away from a part of the lump itself is put back.
-            if (p.n >= 2.0)
+            // What a splat blurs away from its part of the lump itself is put back.
+            if (sharpened)
                 based += max(1.0 - b.share, 0.0) * 0.5 * wide * wide * lump_curvature(at, p.n);
             color over = (target_density(t, d, p, at, s, albedos) - based * base_tint) / density;
             owed -= clamp(over, color(-HEAVIEST), color(0.0)) / count;

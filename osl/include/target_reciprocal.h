@@ -33,12 +33,12 @@ float target_gain(Target t, Disk d, Lump p, TABLE(albedos))
 }
 
 // The lump that the bells are made for. Beside the mirror direction, away from the normal, the light's own lump is the
-// narrower: as it is 1.6 standard deviations away.
+// narrower: as it is one standard deviation away.
 Lump target_like(Target t, Disk d, Lump p)
 {
     Lump like = p;
     float slope = p.radii[0] / d.frame.view[2];
-    float half_room = max(atan(slope) - 1.6 * atan(slope * inversesqrt(2.0 * (p.n + 2.0))), 0.2 * atan(slope));
+    float half_room = max(atan(slope) - atan(slope * inversesqrt(2.0 * (p.n + 2.0))), 0.2 * atan(slope));
     like.radii[0] = tan(half_room) * d.frame.view[2];
     like.radii[1] = like.radii[0];
     return like;
