@@ -59,6 +59,34 @@ def test_files_render_what_compiled_tables_render(model, control, exponent, typi
         assert difference.std() < 0.02
 
 
+@pytest.mark.parametrize("model, given, typical", [
+    ("edwards_fit", {"base_color": 1.0, "exponent": 0.0, "second_exponent": 5000.0, "second_radius": 0.05}, 1e-4),
+    ("edwards_fit", {"base_color": 1.0, "exponent": 5.0, "second_exponent": 20.0, "radius": 1.0}, 1e-4),
+    ("reciprocal_disk", {"exponent": 1.0, "pumps": 2.5}, 1e-4),
+    ("reciprocal_disk", {"exponent": 200.0, "pumps": 1.0}, 3e-4),
+])
+def test_files_of_the_disk_render_what_compiled_tables_render(model, given, typical):
+    for view_deg in (1.0, 30.0, 80.0):
+        compiled, file = (picture(create_material(model, lut=lut, **given), view_deg) for lut in ("compiled", "file"))
+        difference = (file - compiled)[:, 0]
+        assert compiled.mean() > 0.1
+        assert np.median(np.abs(difference)) < typical
+        assert abs(difference.mean()) < 1e-4 + 5.0 * difference.std() / np.sqrt(len(difference))
+
+
+@pytest.mark.parametrize("model, mode", [("edwards_fit", "volume"), ("reciprocal_disk", "plain")])
+def test_a_bad_file_of_the_disk_is_told(model, mode, tmp_path, capfd):
+    from addon.blender import materials
+
+    material = create_material(model, lut="file")
+    socket = next(s for s in materials.script_node(material).inputs if s.identifier == f"table_{mode}")
+    socket.default_value = str(tmp_path / "gone.exr")
+    capfd.readouterr()
+    pixels = picture(material, 5.0, 1)
+    assert np.array_equal(pixels[:, 0], pixels[:, 2]) and not pixels[:, 1].any()
+    assert "gone.exr" in "".join(capfd.readouterr())
+
+
 def missing(good, folder):
     return folder / "gone.exr"
 

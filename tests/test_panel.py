@@ -233,7 +233,8 @@ def test_properties_are_declared_by_the_registry(bpy, model_id):
         if parameter.kind == "enum":
             assert [item.identifier for item in declared.enum_items] == [item[0] for item in parameter.items]
         elif parameter.kind != "bool" and math.isfinite(parameter.maximum):
-            bounds = pytest.approx((parameter.minimum, parameter.maximum), rel=1e-6)  # Blender's are of single precision
+            # Blender's are of single precision.
+            bounds = pytest.approx((parameter.minimum, parameter.maximum), rel=1e-6)
             assert (declared.hard_min, declared.hard_max) == bounds
             assert declared.hard_min <= declared.soft_min < declared.soft_max <= declared.hard_max
 

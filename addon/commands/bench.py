@@ -5,12 +5,15 @@ from pathlib import Path
 import numpy as np
 
 from .. import brdf
+from ..brdf import lobes
+from ..brdf.lobe_model import LobeModel
 from ..cli import CommandError
 from ..verify import efficiency, plots, standards, subject
 from . import furnace
 
 DESCRIPTION = ("Compare the efficiency of our models, 1 / (relative variance x time) on a sphere, with that of Cycles' "
-               "own closures of the same exponent in the same scenes: phong_ramp, and Ashikhmin-Shirley beside Blinn.")
+               "own closures in the same scenes: phong_ramp of the same exponent, and Ashikhmin-Shirley beside Blinn; "
+               "beside lumps on the disk, Beckmann's and GGX microfacets as wide at normal incidence.")
 MODELS = ("pumped_phong", "pumped_blinn")
 SAMPLES = (1, 2, 4, 8)
 TITLES = {efficiency.SKY: "HDRI", efficiency.AREA: "area light", efficiency.SUN: "sun of no size"}
@@ -58,14 +61,23 @@ def _subjects(model_id, arguments):
         raise CommandError(f"no model {model_id!r}; there are {', '.join(brdf.MODELS)}")
     model = brdf.MODELS[model_id]
     values = model.resolve(subject.settings(model, arguments.assignments))
-    closures = [standards.phong(values["exponent"])]
-    if model.lobe.id == "blinn":
-        closures.append(standards.ashikhmin_shirley(values["exponent"]))
+    closures = _closures(model, values)
     materials = {closure.id.replace("phong", "phong_ramp"): closure.material() for closure in closures}
     for count in arguments.samples:
         chosen = [a for a in arguments.assignments if not a.startswith("samples")] + [f"samples={count}"]
         materials[f"{model_id}, {count}"] = subject.of_model(model_id, chosen).material
     return model, materials, len(closures)
+
+
+def _closures(model, values):
+    """Cycles' own closures that come nearest to a model: of the same exponent, or as wide at normal incidence."""
+    if not isinstance(model, LobeModel) or model.lobe is lobes.DISK:
+        alpha = (2.0 / (model.stand_in(values)[1] + 2.0)) ** 0.5
+        return [standards.microfacet("beckmann", alpha), standards.microfacet("ggx", alpha)]
+    closures = [standards.phong(values["exponent"])]
+    if model.lobe is lobes.BLINN:
+        closures.append(standards.ashikhmin_shirley(values["exponent"]))
+    return closures
 
 
 def _compared(rows, references):

@@ -1,1 +1,1 @@
-"""The demo: the pumping paper's metal scene, and where its metals come from."""
+"""The demos: the pumping paper's metals, and where they come from; the disk paper's spheres and road at night."""

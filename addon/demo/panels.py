@@ -1,9 +1,6 @@
 """The demo's six pictures: the reciprocal Phong model, pumped once, and pumped under control, each at two exponents."""
-import contextlib
-import os
-import sys
-import time
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from ..brdf.metals import METALS
@@ -53,18 +50,9 @@ def prepare(stage, samples: int):
     Indirect light brighter than INDIRECT_CLAMP per sample is cut, so that few samples make a clean picture: the
     highlights that metals throw on each other come out a little too dark. Direct light is whole.
     """
-    scene = stage.scene
-    cycles = scene.cycles
-    cycles.device, cycles.shading_system = "CPU", True
-    cycles.samples, cycles.seed = samples, 0
-    cycles.use_adaptive_sampling, cycles.adaptive_threshold = True, 0.02
-    cycles.use_denoising = False
-    cycles.max_bounces = cycles.glossy_bounces = 8
-    cycles.caustics_reflective = True
-    cycles.blur_glossy = 0.0
-    cycles.sample_clamp_direct, cycles.sample_clamp_indirect = 0.0, INDIRECT_CLAMP
-    scene.view_settings.view_transform = "Standard"
-    scene.view_settings.exposure = EXPOSURE
+    from . import picture
+
+    picture.prepare(stage.scene, samples, EXPOSURE, INDIRECT_CLAMP)
 
 
 def dress(stage, panel: Panel, material_factory=metal_material):
@@ -81,48 +69,33 @@ def dress(stage, panel: Panel, material_factory=metal_material):
 
 def render(stage, panel: Panel, folder: Path, material_factory=metal_material) -> Path:
     """Render `panel` to `folder`/<stem>.exr (float32, linear Rec. 709) and <stem>.png; returns the PNG's path."""
-    import bpy
+    from . import picture
 
     dress(stage, panel, material_factory)
-    settings = stage.scene.render.image_settings
-    settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", "RGB", "32"
-    settings.exr_codec = "ZIP"
-    stage.scene.render.filepath = str(folder / f"{panel.stem}.exr")
-    with quiet():
-        bpy.ops.render.render(write_still=True, scene=stage.scene.name)
-    image = bpy.data.images.load(stage.scene.render.filepath)
-    settings.file_format, settings.color_mode, settings.color_depth = "PNG", "RGB", "8"
-    png = folder / f"{panel.stem}.png"
-    image.save_render(str(png), scene=stage.scene)
-    bpy.data.images.remove(image)
-    return png
+    return picture.write(stage.scene, folder, panel.stem)
 
 
 def render_all(folder: Path, resolution, samples: int, material_factory=metal_material, report=None) -> list:
     """Build the scene, render the six panels, return their PNG paths. `report(line)` is told of each."""
-    from . import scene
+    from . import picture, scene
 
     folder.mkdir(parents=True, exist_ok=True)
     stage = scene.build(resolution)
     prepare(stage, samples)
-    paths = []
-    for number, panel in enumerate(panels(), 1):
-        start = time.monotonic()
-        paths.append(render(stage, panel, folder, material_factory))
-        if report:
-            report(f"[{number}/{len(panels())}] {panel.caption}: {time.monotonic() - start:.0f} s")
-    return paths
+    return picture.write_all(
+        [(panel.caption, partial(render, stage, panel, folder, material_factory)) for panel in panels()], report)
 
 
-@contextlib.contextmanager
-def quiet():
-    """Keep what the renderer prints off the standard output, where the command's results belong."""
-    sys.stdout.flush()
-    saved, null = os.dup(1), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(null, 1)
-    try:
-        yield
-    finally:
-        os.dup2(saved, 1)
-        os.close(saved)
-        os.close(null)
+def captions() -> list:
+    """Captions of the six pictures."""
+    return [panel.caption for panel in panels()]
+
+
+def save_blend(path: Path, resolution, samples: int):
+    """Write the scene, dressed as the last panel, to the .blend `path`."""
+    from . import scene
+
+    stage = scene.build(resolution)
+    prepare(stage, samples)
+    dress(stage, panels()[-1])
+    scene.save(stage, path)

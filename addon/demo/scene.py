@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from . import shapes
+from . import parts, shapes
 
 CAMERA = (0.08, -8.2, 1.6)
 FLOOR_RADIUS = 10.0
@@ -59,26 +59,21 @@ class Stage:
 
 def build(resolution=(480, 360)) -> Stage:
     """Empty the file, build the scene with `resolution` (width, height) and return it. No metal is assigned yet."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    scene = bpy.context.scene
-    scene.name = "Pumped metals"
-    scene.render.engine = "CYCLES"
-    scene.render.resolution_x, scene.render.resolution_y = resolution
-    scene.render.resolution_percentage = 100
+    scene = parts.empty_scene("Pumped metals", resolution)
     wearers = {metal: [] for metal, *_ in PYRAMIDS}
     wearers["gold"] += _tank(scene)
     for metal, side, position, turn in PYRAMIDS:
-        body = _add(scene, f"Pyramid {metal}", shapes.pyramid(side, 0.5 * side * math.tan(SLOPE)), bevel=0.012)
+        body = parts.add(scene, f"Pyramid {metal}", shapes.pyramid(side, 0.5 * side * math.tan(SLOPE)), bevel=0.012)
         to_camera = math.atan2(CAMERA[0] - position[0], position[1] - CAMERA[1])
         body.location, body.rotation_euler = (*position, 0.0), (0.0, 0.0, to_camera + math.radians(turn))
         wearers[metal].append(body)
     edge = shapes.rounded([(0.0, -0.12), (FLOOR_RADIUS, -0.12), (FLOOR_RADIUS, 0.0), (0.0, 0.0)], 0.03)
-    wearers["nickel"] = [_add(scene, "Floor", shapes.lathe(edge, 256))]
+    wearers["nickel"] = [parts.add(scene, "Floor", shapes.lathe(edge, 256))]
     _ground(scene)
-    _sky(scene)
+    parts.gradient_sky(scene, SKY)
     for name, light in LIGHTS.items():
         _point_light(scene, name, *light)
-    _camera(scene)
+    parts.camera(scene, CAMERA, pitch=-8.0, lens=55.0)
     return Stage(scene, wearers)
 
 
@@ -86,128 +81,59 @@ def dress(stage: Stage, material_of_metal):
     """Give each object the material `material_of_metal[metal id]`."""
     for metal, objects in stage.wearers.items():
         for body in objects:
-            body.data.materials.clear()
-            body.data.materials.append(material_of_metal[metal])
+            parts.wear(body, material_of_metal[metal])
 
 
 def save(stage: Stage, path):
     """Write the scene to `path`, compressed, with all that it needs and no path of this machine."""
-    stage.scene.render.filepath = "//"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    for _ in range(3):
-        bpy.data.orphans_purge()
-    bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), compress=True, check_existing=False)
-
-
-def _add(scene, name, shape, bevel=0.0):
-    """A smooth-shaded mesh object; `bevel` (m) rounds its edges without bending its flat faces."""
-    vertices, faces = shape
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(vertices, [], faces)
-    mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
-    mesh.set_sharp_from_angle(angle=math.radians(40.0))
-    body = _place(scene, name, mesh)
-    if bevel:
-        modifier = body.modifiers.new("Bevel", "BEVEL")
-        modifier.width, modifier.segments = bevel, 4
-        modifier.limit_method, modifier.angle_limit = "ANGLE", math.radians(25.0)
-        modifier.harden_normals = True
-    return body
-
-
-def _place(scene, name, data):
-    body = bpy.data.objects.new(name, data)
-    scene.collection.objects.link(body)
-    return body
+    parts.save(stage.scene, path)
 
 
 def _tank(scene):
     """The tank, facing the camera's right: hull, tracks with wheels, turret, gun. Returns its objects."""
-    parts = [_add(scene, "Hull", shapes.prism(HULL, 0.96), 0.045), *_tracks(scene), *_turret(scene)]
-    pivot = _place(scene, "Tank", None)
-    for part in parts:
+    bodies = [parts.add(scene, "Hull", shapes.prism(HULL, 0.96), 0.045), *_tracks(scene), *_turret(scene)]
+    pivot = parts.place(scene, "Tank", None)
+    for part in bodies:
         part.parent = pivot
     pivot.location, pivot.rotation_euler = (0.05, 0.95, 0.0), (0.0, 0.0, math.radians(-33.0))
-    return parts
+    return bodies
 
 
 def _tracks(scene):
-    wheels = [_add(scene, "Wheel", shapes.lathe(WHEEL, 64))]
-    wheels += [_place(scene, "Wheel", wheels[0].data) for _ in range(9)]
+    wheels = [parts.add(scene, "Wheel", shapes.lathe(WHEEL, 64))]
+    wheels += [parts.place(scene, "Wheel", wheels[0].data) for _ in range(9)]
     for i, wheel in enumerate(wheels):
         side = 1.0 if i < 5 else -1.0
         wheel.location = (-1.09 + 0.545 * (i % 5), side * 0.82, 0.28)
         wheel.rotation_euler.x = -side * 0.5 * math.pi
-    parts = wheels
+    bodies = wheels
     for side in (-1.0, 1.0):
-        track = _add(scene, "Track", shapes.prism(shapes.stadium(2.75, 0.56), 0.34), 0.035)
+        track = parts.add(scene, "Track", shapes.prism(shapes.stadium(2.75, 0.56), 0.34), 0.035)
         track.location.y = side * 0.67
-        fender = _add(scene, "Fender", shapes.prism(FENDER, 0.40), 0.015)
+        fender = parts.add(scene, "Fender", shapes.prism(FENDER, 0.40), 0.015)
         fender.location.y = side * 0.67
-        drum = _add(scene, "Drum", shapes.lathe(DRUM))
+        drum = parts.add(scene, "Drum", shapes.lathe(DRUM))
         drum.location, drum.rotation_euler.y = (-1.28, side * 0.70, 0.765), 0.5 * math.pi
-        parts += [track, fender, drum]
-    return parts
+        bodies += [track, fender, drum]
+    return bodies
 
 
 def _turret(scene):
-    turret = _add(scene, "Turret", shapes.lathe(DOME, 128))
+    turret = parts.add(scene, "Turret", shapes.lathe(DOME, 128))
     turret.location, turret.scale = (-0.12, 0.0, 0.80), (1.12, 0.88, 1.0)
-    hatch = _add(scene, "Cupola", shapes.lathe(CUPOLA, 96))
+    hatch = parts.add(scene, "Cupola", shapes.lathe(CUPOLA, 96))
     hatch.location = (-0.30, 0.12, 1.215)
-    gun = _add(scene, "Gun", shapes.lathe(BARREL, 96))
+    gun = parts.add(scene, "Gun", shapes.lathe(BARREL, 96))
     gun.location, gun.rotation_euler = (0.50, 0.0, 1.00), (0.0, math.radians(84.0), 0.0)
     return [turret, hatch, gun]
 
 
-def _material(name, color):
-    """A matte material."""
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:
-        material.use_nodes = True
-    nodes = material.node_tree.nodes
-    nodes.clear()
-    matte, output = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")
-    matte.inputs["Color"].default_value = (*color, 1.0)
-    material.node_tree.links.new(matte.outputs[0], output.inputs["Surface"])
-    return material
-
-
 def _ground(scene):
-    ground = _add(scene, "Ground", shapes.lathe([(400.0, -0.12), (0.0, -0.12)], 64))
-    ground.data.materials.append(_material("Ground", GROUND))
-
-
-def _sky(scene):
-    """A vertical gradient, the same all around."""
-    world = bpy.data.worlds.new("Sky")
-    scene.world = world
-    if world.node_tree is None:
-        world.use_nodes = True
-    nodes, links = world.node_tree.nodes, world.node_tree.links
-    nodes.clear()
-    place, split, ramp, background, output = (nodes.new(f"ShaderNode{kind}") for kind in (
-        "TexCoord", "SeparateXYZ", "ValToRGB", "Background", "OutputWorld"))
-    while len(ramp.color_ramp.elements) < len(SKY):
-        ramp.color_ramp.elements.new(0.5)
-    for element, (position, color) in zip(ramp.color_ramp.elements, SKY.items(), strict=True):
-        element.position, element.color = position, (*color, 1.0)
-    links.new(place.outputs["Generated"], split.inputs[0])
-    links.new(split.outputs["Z"], ramp.inputs[0])
-    links.new(ramp.outputs["Color"], background.inputs["Color"])
-    links.new(background.outputs[0], output.inputs["Surface"])
+    ground = parts.add(scene, "Ground", shapes.lathe([(400.0, -0.12), (0.0, -0.12)], 64))
+    parts.wear(ground, parts.matte("Ground", GROUND))
 
 
 def _point_light(scene, name, position, power, radius, color):
     data = bpy.data.lights.new(name, "POINT")
     data.energy, data.shadow_soft_size, data.color = power, radius, color
-    _place(scene, name, data).location = position
-
-
-def _camera(scene):
-    data = bpy.data.cameras.new("Camera")
-    data.lens = 55.0
-    camera = _place(scene, "Camera", data)
-    camera.location = CAMERA
-    camera.rotation_euler = (math.radians(90.0 - 8.0), 0.0, 0.0)
-    scene.camera = camera
+    parts.place(scene, name, data).location = position

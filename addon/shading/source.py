@@ -64,7 +64,7 @@ def _definitions(model, lut) -> str:
             lines += [f"#define VOLUME_LAYERS {table.layers}", "#define TABLE_VOLUME table_volume",
                       *_axes(table, "VOLUME", lut)]
     for control, mode in ((False, "plain"), (True, "controlled")):
-        parameters.append(_table_parameter(by_mode.get(control), mode, lut))
+        parameters.append(_table_parameter(by_mode.get(control), mode, lut if used else COMPILED))
         lines.append(f"#define TABLE_{mode.upper()} table_{mode}")
         if control in by_mode:
             lines += _axes(by_mode[control], mode.upper(), lut)
@@ -103,8 +103,8 @@ def _base(family):
 
 
 def _table_parameter(table, mode, lut):
-    if table is None:
-        return f"float table_{mode}[2] = {{0.0, 0.0}}"
+    if table is None:  # a shader's functions take a table of the kind that all are of
+        return f'string table_{mode} = ""' if lut == FILE else f"float table_{mode}[2] = {{0.0, 0.0}}"
     if lut == FILE:
         return f'string table_{mode} = "{table.path.as_posix()}"'
     # Six digits keep a node within 5e-6, a quarter of what tables promise.

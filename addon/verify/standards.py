@@ -67,6 +67,30 @@ def ashikhmin_shirley(exponent: float) -> Standard:
     return Standard("ashikhmin_shirley", _ASHIKHMIN.format(alpha=alpha), formula)
 
 
+def microfacet(distribution: str, alpha: float) -> Standard:
+    """Isotropic microfacets without Fresnel: D G / (4 (N·L)(N·V)), `distribution` "beckmann" or "ggx".
+
+    G is Smith's, height-correlated (Walter et al. 2007, eq. 25, 33; Heitz 2014, eq. 99), Beckmann's by the usual fit.
+    """
+    def slope_lambda(cosine):
+        tan = np.sqrt(np.maximum(1.0 / np.square(cosine) - 1.0, 1e-12))
+        if distribution == "ggx":
+            return 0.5 * (np.sqrt(1.0 + (alpha * tan) ** 2) - 1.0)
+        a = 1.0 / (alpha * tan)
+        fit = ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a)
+        return np.where(a < 1.6, fit, 0.0)
+
+    def formula(view, light):
+        cos2 = np.square(half(view, light)[:, 2])
+        tan2 = (1.0 / cos2 - 1.0) / alpha**2
+        density = np.exp(-tan2) if distribution == "beckmann" else 1.0 / (1.0 + tan2) ** 2
+        density = density / (np.pi * alpha**2 * cos2**2)
+        shadowing = 1.0 + slope_lambda(view[:, 2]) + slope_lambda(light[:, 2])
+        return density / (4.0 * view[:, 2] * light[:, 2] * shadowing)
+
+    return Standard(distribution, f'BSDF = microfacet("{distribution}", N, {alpha!r}, 0.0, 0);', formula)
+
+
 def material_of_source(source: str, name: str):
     """A new material whose surface is the OSL `source`, which has one output `BSDF`. Raises RoomError on bad source.
 

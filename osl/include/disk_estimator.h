@@ -11,11 +11,12 @@
 #define NARROWEST 5e-4    // slope: Cycles takes narrower facets for mirrors
 #define FURTHEST 0.5      // of a bell's width: how far its normal leans
 #define RING 6            // bells of each of two rings around the middle one
-#define SLENDER 0.03      // 1 / (n + 1) below which a lump is so nearly a bell that one is enough,
-#define STRAIGHT 0.02     // where the disk's map is as straight as this
-#define BENT 0.6          // share that the bells leave to splats, for its bending: they follow a bent lump badly
+#define SLENDER 0.07      // 1 / (n + 1) below which a lump is so nearly a bell that one is enough,
+#define STRAIGHT 0.05     // where the disk's map is as straight as this
+#define BENT 0.9          // share that the bells leave to splats, for its bending: they follow a bent lump badly
 #define TOO_BENT 1.0      // there is no use in bells
-#define WIDEST 0.2        // of a lump's standard deviation: splats,
+#define WIDEST 0.2        // of a lump's standard deviation: splats; WIDER for sharp lumps, which are nearly bells,
+#define WIDER 0.35
 #define UNSHARP 0.1       // or, where their blur is not put back, this; and at most
 #define TO_EDGE 0.3       // of the way to the lump's edge,
 #define AT_EDGE 0.12      // or this of the standard deviation where the edge is soft
@@ -147,14 +148,16 @@ void add_bell(Disk d, Lump p, float x, float y, float deviation, float weight, o
     }
 }
 
-// How much the disk's map changes over one standard deviation of the lump: 0 where it is affine.
+// How much the disk's map changes over one standard deviation of the lump: 0 where it is affine. What the scaling
+// projection's bells lean against, that microfacets are seen in proportion to V.H, bends nothing.
 float bending(Disk d, Lump p, Spot s, float deviation)
 {
-    vector view = d.frame.view;
     vector a = half_step(d, s, deviation * p.radii[0] * p.along);
     vector b = half_step(d, s, deviation * p.radii[1] * p.across);
     vector growth = disk_growth(d, s);
-    return hypot(dot(growth, a), dot(growth, b)) + 0.3 * (dot(a, a) + dot(b, b));
+    if (!d.orthogonal)
+        growth -= d.frame.view / dot(d.frame.view, s.h);
+    return hypot(dot(growth, a), dot(growth, b)) + 0.8 * (dot(a, a) + dot(b, b));
 }
 
 void make_bells(Disk d, Lump p, float gain, float table[], output Bells b)
@@ -232,6 +235,7 @@ closure color estimate_lump(Disk d, Lump given, Target t, color tint, vector num
     // Over the whole lump what is put back sums up to nothing, but not over a part of it, where it leaves the disk: there
     // splats are smaller.
     int sharpened = p.n >= 2.0 && (!d.orthogonal || disk_room(d) > 3.0 * deviation * max(p.radii[0], p.radii[1]));
+    float widest = sharpened ? mix(WIDER, WIDEST, min(8.0 / (p.n + 1.0), 1.0)) : UNSHARP;
     vector drawn = vector(numbers[0], numbers[1] / chance, 0.0);
     for (int k = 0; k < count && numbers[1] < chance; k += 1) {
         // Eq. 28.
@@ -243,7 +247,7 @@ closure color estimate_lump(Disk d, Lump given, Target t, color tint, vector num
         Spot s;
         float shrunk;
         if (density > 0.0 && disk_spot(d, lump_point(p, at[0], at[1]), s)) {
-            float wide = spread * min((sharpened ? WIDEST : UNSHARP) * deviation, max(TO_EDGE * (1.0 - r), at_edge));
+            float wide = spread * min(widest * deviation, max(TO_EDGE * (1.0 - r), at_edge));
             float based = bells_value(b, d.frame.view, s.light) * p.radii[0] * p.radii[1] / s.stretch;
             // What a splat blurs away from its part of the lump itself is put back.
             if (sharpened)

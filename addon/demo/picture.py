@@ -1,0 +1,68 @@
+"""How the demo's pictures are rendered and written."""
+import contextlib
+import os
+import sys
+import time
+from pathlib import Path
+
+import bpy
+
+
+def prepare(scene, samples: int, exposure: float, indirect_clamp: float, bounces: int = 8):
+    """Set the renderer: CPU, OSL, `samples` per pixel at most, no denoising.
+
+    Indirect light brighter than `indirect_clamp` per sample is cut, so that few samples make a clean picture.
+    Direct light is whole. `exposure` in stops.
+    """
+    cycles = scene.cycles
+    cycles.device, cycles.shading_system = "CPU", True
+    cycles.samples, cycles.seed = samples, 0
+    cycles.use_adaptive_sampling, cycles.adaptive_threshold = True, 0.02
+    cycles.use_denoising = False
+    cycles.max_bounces = cycles.glossy_bounces = bounces
+    cycles.caustics_reflective = True
+    cycles.blur_glossy = 0.0
+    cycles.sample_clamp_direct, cycles.sample_clamp_indirect = 0.0, indirect_clamp
+    scene.view_settings.view_transform = "Standard"
+    scene.view_settings.exposure = exposure
+
+
+def write(scene, folder: Path, stem: str) -> Path:
+    """Render to `folder`/`stem`.exr (float32, linear Rec. 709) and `stem`.png; returns the PNG's path."""
+    settings = scene.render.image_settings
+    settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", "RGB", "32"
+    settings.exr_codec = "ZIP"
+    scene.render.filepath = str(folder / f"{stem}.exr")
+    with quiet():
+        bpy.ops.render.render(write_still=True, scene=scene.name)
+    image = bpy.data.images.load(scene.render.filepath)
+    settings.file_format, settings.color_mode, settings.color_depth = "PNG", "RGB", "8"
+    png = folder / f"{stem}.png"
+    image.save_render(str(png), scene=scene)
+    bpy.data.images.remove(image)
+    return png
+
+
+def write_all(steps, report=None) -> list:
+    """Paths of the pictures that `steps`, pairs of a caption and a function, render; `report(line)` is told of each."""
+    paths = []
+    for number, (caption, step) in enumerate(steps, 1):
+        start = time.monotonic()
+        paths.append(step())
+        if report:
+            report(f"[{number}/{len(steps)}] {caption}: {time.monotonic() - start:.0f} s")
+    return paths
+
+
+@contextlib.contextmanager
+def quiet():
+    """Keep what the renderer prints off the standard output, where the command's results belong."""
+    sys.stdout.flush()
+    saved, null = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, 1)
+    try:
+        yield
+    finally:
+        os.dup2(saved, 1)
+        os.close(saved)
+        os.close(null)
