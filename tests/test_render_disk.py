@@ -102,7 +102,7 @@ def test_sphere_under_a_sun(model, given, suns):
     bound = RECIPROCAL_BOUND if reciprocal else STEEP_BOUND.get(given["exponent"], SUN_BOUND)
     assert report.l1().max() <= bound, report
     if given["exponent"] >= 50.0 and not reciprocal:
-        # Blender stores a mesh's normals in 16 bits, which moves so sharp a highlight by a few thousandths of its light.
+        # Blender stores a mesh's normals in 16 bits, which moves a sharp highlight by a few thousandths of its light.
         total = TOTAL_BOUND if given["exponent"] < 500.0 else 2.0 * TOTAL_BOUND
         assert (np.abs(report.total()) <= total + SIGMAS * report.noise()).all(), report
         assert report.noise().max() <= TOTAL_NOISE, report

@@ -1,1 +1,1 @@
-"""The demos: the pumping paper's metals, and where they come from; the disk paper's spheres and road at night."""
+"""The demos: the pumping paper's metals; the disk paper's spheres, road at night and invisible spheres."""
