@@ -19,7 +19,7 @@ STANDARDS = {
     "phong": (standards.phong(20.0), (0.0, 40.0, 60.0, 80.0, 85.0)),
     "ashikhmin_shirley": (standards.ashikhmin_shirley(200.0), (0.0, 40.0, 75.0)),
     "beckmann": (standards.microfacet("beckmann", 0.2), (0.0, 40.0, 60.0)),
-    "ggx": (standards.microfacet("ggx", 0.2), (0.0, 40.0, 60.0)),
+    "ggx": (standards.microfacet("ggx", 0.1), (0.0, 30.0, 50.0)),
 }
 
 
