@@ -18,7 +18,7 @@
 #define WIDEST 0.2        // of a lump's standard deviation: splats; WIDER for sharp lumps, which are nearly bells,
 #define WIDER 0.35
 #define UNSHARP 0.1       // or, where their blur is not put back, this; and at most
-#define TO_EDGE 0.3       // of the way to the lump's edge,
+#define TO_EDGE 0.4       // of the way to the lump's edge,
 #define AT_EDGE 0.12      // or this of the standard deviation where the edge is soft
 #define MUCH_LEFT 0.1     // of the volume: where all samples per hit are drawn
 #define LITTLE_LEFT 0.02  // of the volume: with less, splats are drawn at fewer hits, and are heavier
@@ -234,8 +234,9 @@ closure color estimate_lump(Disk d, Lump given, Target t, color tint, vector num
     float at_edge = p.n >= 1.0 ? AT_EDGE * deviation : 0.0;
     // Over the whole lump what is put back sums up to nothing, but not over a part of it, where it leaves the disk: there
     // splats are smaller.
-    int sharpened = p.n >= 2.0 && (!d.orthogonal || disk_room(d) > 3.0 * deviation * max(p.radii[0], p.radii[1]));
-    float widest = sharpened ? mix(WIDER, WIDEST, min(8.0 / (p.n + 1.0), 1.0)) : UNSHARP;
+    int leaves = d.orthogonal && disk_room(d) < 3.0 * deviation * max(p.radii[0], p.radii[1]);
+    int sharpened = p.n >= 2.0 && !leaves;
+    float widest = leaves ? UNSHARP : mix(WIDER, WIDEST, min(8.0 / (p.n + 1.0), 1.0));
     vector drawn = vector(numbers[0], numbers[1] / chance, 0.0);
     for (int k = 0; k < count && numbers[1] < chance; k += 1) {
         // Eq. 28.
