@@ -10,8 +10,7 @@ import quadrature
 from scipy import stats
 
 from addon import brdf
-from addon.brdf import MODELS, fresnel, lobes, metals, registry
-from addon.brdf.lobe_model import LobeModel
+from addon.brdf import MODELS, fresnel, metals, registry
 
 EXPONENTS = [1.0, 1.7, 20.0, 1000.0, 100000.0]
 WHITE = {
@@ -25,8 +24,7 @@ COLOURED = [
     {"fresnel_type": "conductor"},
 ]
 # Models of the two lobes that are powers; those of the disk have tests of their own.
-POWERS = {name: model for name, model in MODELS.items()
-          if isinstance(model, LobeModel) and model.lobe in (lobes.PHONG, lobes.BLINN)}
+POWERS = {name: model for name, model in MODELS.items() if model.base_family}
 CASES = [(model, options) for model, variants in WHITE.items() for options in variants]
 # What conserves energy: all but Blinn below one whole pump, whose albedo passes 1 (see test_pumping.py).
 CONSERVING = [(model, options) for model, options in CASES if "blinn" not in model or options.get("pumps", 0.0) >= 1.0]

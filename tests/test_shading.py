@@ -9,7 +9,7 @@ from addon.brdf import MODELS, TableError, tables
 from addon.brdf.axes import SineAxis
 from addon.shading import source
 
-ON_BASE_LOBES = {name: model for name, model in MODELS.items() if source._base_family(model)}
+ON_BASE_LOBES = {name: model for name, model in MODELS.items() if model.base_family}
 ON_BELLS = {name: model for name, model in MODELS.items() if name not in ON_BASE_LOBES}
 
 SIGNATURE = re.compile(r"^shader (\w+)\((.*?)\)\n\{", re.MULTILINE | re.DOTALL)

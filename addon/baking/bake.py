@@ -13,7 +13,7 @@ _KINDS = {tables.Table: albedo_rows, tables.VolumeTable: volume_rows}
 
 
 def kind_of(table):
-    """The module that computes a table's rows: `nodes`, `cell_errors`, `PROVENANCE`."""
+    """The module that computes a table's rows: `nodes`, `cell_errors`, `provenance`."""
     return _KINDS[type(table)]
 
 

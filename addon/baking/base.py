@@ -13,13 +13,13 @@ no sample be negative, it counts besides how far the base is below zero, and how
 take away, both squared: a convex problem, which a few rounds solve, each with the weights that the last one calls for.
 """
 import json
-import os
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
 from ..brdf import MODELS, tables
 from ..brdf.lobes import BLINN, PHONG
+from .files import replace_text
 from .workers import mapped
 
 FILE = "base_lobes.json"
@@ -350,13 +350,7 @@ def fit(workers=None):
         yield done, len(jobs)
     for name, nodes in found.items():
         nodes.update({(0, j): nodes[first[name], j] for j in range(FAMILIES[name].v_nodes)})
-    path = tables.folder() / FILE
-    beside = path.with_name(f".{FILE}.{os.getpid()}.part")
-    try:
-        beside.write_text(json.dumps(_document(found), indent=None, separators=(",", ":")) + "\n")
-        beside.replace(path)
-    finally:
-        beside.unlink(missing_ok=True)
+    replace_text(tables.folder() / FILE, json.dumps(_document(found), indent=None, separators=(",", ":")) + "\n")
 
 
 def _document(found):

@@ -6,11 +6,11 @@ near the lump and stay below it, as bells cannot take light away. Their shares, 
 alone: they are tabulated over v = 1/(n+1), with lengths in units of the lump's standard deviation 1 / sqrt(2 (n+2)).
 """
 import json
-import os
 
 import numpy as np
 
-from ..brdf import tables
+from ..brdf import disk, tables
+from .files import replace_text
 
 FILE = "bells.json"
 NODES = 20  # of v from 0 to 1, besides the first
@@ -19,11 +19,6 @@ OVER = 25.0  # what more it counts to be above the lump than below
 WIDEST = 0.62  # bells are no wider: wide ones follow the disk's map badly where it bends
 NARROWEST = 0.15
 FIRST = (0.2, 0.6, 0.5, 1.0, 0.6, 0.3, 1.8, 0.6)  # where the search begins
-
-
-def lump(radius, exponent):
-    """(n+1)/pi (1 - r^2)^n inside the unit circle."""
-    return np.where(radius < 1.0, (exponent + 1.0) / np.pi * np.maximum(1.0 - radius**2, 0.0) ** exponent, 0.0)
 
 
 def bells(parameters, x, y, deviation):
@@ -63,7 +58,8 @@ def points(exponent, rings=100, turns=5):
 def left_and_over(parameters, exponent):
     """(volume of the lump that the bells leave, volume by which they are above it)."""
     x, y, area = points(exponent)
-    remainder = lump(np.hypot(x, y), exponent) - bells(parameters, x, y, deviation_of(exponent))
+    lump = disk.Lump(np.zeros(2), np.ones(2), exponent).density(np.stack([x, y], axis=-1))
+    remainder = lump - bells(parameters, x, y, deviation_of(exponent))
     return (np.maximum(remainder, 0.0) * area).sum(), (np.maximum(-remainder, 0.0) * area).sum()
 
 
@@ -96,11 +92,5 @@ def fit():
         previous = _fit_node(exponent, (previous, FIRST))
         rows.append([float(f"{x:.4g}") for x in previous])
         yield i + 1, NODES + 1
-    path = tables.folder() / FILE
-    beside = path.with_name(f".{FILE}.{os.getpid()}.part")
-    try:
-        beside.write_text(json.dumps({"about": "bells near a lump over 1/(n+1); see addon/baking/bells.py",
-                                      "table": rows}, separators=(",", ":")) + "\n")
-        beside.replace(path)
-    finally:
-        beside.unlink(missing_ok=True)
+    document = {"about": "bells near a lump over 1/(n+1); see addon/baking/bells.py", "table": rows}
+    replace_text(tables.folder() / FILE, json.dumps(document, separators=(",", ":")) + "\n")

@@ -28,6 +28,12 @@ def plausible_node(material):
     return (node, model) if model else (None, None)
 
 
+def _shows_ours(context):
+    """Whether the context shows a material made here that may be edited."""
+    material = material_of(context)
+    return material is not None and material.is_editable and plausible_node(material)[1] is not None
+
+
 def _osl_works(cls):
     reason = osl.unavailable()
     if reason:
@@ -106,8 +112,7 @@ class PLAUSIBLE_OT_set_metal(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        material = material_of(context)
-        return material is not None and material.is_editable and plausible_node(material)[1] is not None
+        return _shows_ours(context)
 
     def execute(self, context):
         node, model = plausible_node(material_of(context))
@@ -145,8 +150,7 @@ class PLAUSIBLE_OT_apply_preset(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        material = material_of(context)
-        return material is not None and material.is_editable and plausible_node(material)[1] is not None
+        return _shows_ours(context)
 
     def execute(self, context):
         try:

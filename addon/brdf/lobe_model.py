@@ -5,6 +5,7 @@ import numpy as np
 
 from . import fresnel, pumping, tables
 from .geometry import dot, half
+from .lobes import DISK
 from .parameters import exponent_of_roughness
 from .quadrature import meridians
 from .registry import Model
@@ -20,6 +21,11 @@ class LobeModel(Model):
 
     lobe: object
     correction: str
+
+    @property
+    def base_family(self):
+        """See `Model`."""
+        return None if self.lobe is DISK else self.lobe.id
 
     def resolve(self, given: dict) -> dict:
         """All parameters checked and completed with defaults; `exponent` follows `roughness` where that is used."""

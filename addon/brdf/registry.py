@@ -25,6 +25,11 @@ class Model:
     formula: str
     references: tuple
 
+    @property
+    def base_family(self):
+        """The family of base lobes that its shader uses, see baking/base.py; None where it uses bells on the disk."""
+        return None
+
     def parameter(self, name: str) -> Parameter:
         for parameter in self.parameters:
             if parameter.id == name:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import axes, exr
+from . import axes, disk, exr
 from .axes import ColumnAxis, RowAxis, SineAxis
 
 FORMAT = 1
@@ -160,7 +160,7 @@ def volumes(mu_view, exponent, radius) -> np.ndarray:
     """Volume (N,) of round lumps about the origin inside the disk at N·V = `mu_view`; all arguments (N,)."""
     table = TABLES[VolumeTable.name]
     nodes = load(table).reshape(-1, table.rows.rows, table.columns.columns, 4)
-    distance = 1.0 - np.sqrt(np.maximum(1.0 - np.square(mu_view), 0.0))
+    distance = disk.room(np.asarray(mu_view))
     found, radii = np.empty(len(distance)), table.radii
     # Rows differ in exponent and radius alone, and both are mostly the same for all views.
     for n, r in np.unique(np.stack([exponent, radius], axis=-1), axis=0):

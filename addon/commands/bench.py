@@ -5,8 +5,6 @@ from pathlib import Path
 import numpy as np
 
 from .. import brdf
-from ..brdf import lobes
-from ..brdf.lobe_model import LobeModel
 from ..cli import CommandError
 from ..verify import efficiency, plots, standards, subject
 from . import furnace
@@ -71,11 +69,11 @@ def _subjects(model_id, arguments):
 
 def _closures(model, values):
     """Cycles' own closures that come nearest to a model: of the same exponent, or as wide at normal incidence."""
-    if not isinstance(model, LobeModel) or model.lobe is lobes.DISK:
+    if model.base_family is None:
         alpha = (2.0 / (model.stand_in(values)[1] + 2.0)) ** 0.5
         return [standards.microfacet("beckmann", alpha), standards.microfacet("ggx", alpha)]
     closures = [standards.phong(values["exponent"])]
-    if model.lobe is lobes.BLINN:
+    if model.base_family == "blinn":
         closures.append(standards.ashikhmin_shirley(values["exponent"]))
     return closures
 

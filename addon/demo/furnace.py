@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 
-from . import parts, picture, shapes
+from . import parts, picture
 
 RESOLUTION = (720, 480)
 CAPTION = "All six are white: what is darker than the background lost light, what is brighter made it"
@@ -59,15 +59,11 @@ def build(resolution=RESOLUTION):
     parts.gradient_sky(scene, {0.0: (BACKGROUND,) * 3, 1.0: (BACKGROUND,) * 3})
     # The materials sample all that they reflect; light sampled from the sky besides would be noise and time.
     scene.world.cycles.sampling_method = "NONE"
-    angles = [math.pi * (i / 64.0 - 0.5) for i in range(65)]
-    profile = [(RADIUS * math.cos(a) if 0 < i < 64 else 0.0, RADIUS * math.sin(a)) for i, a in enumerate(angles)]
     mesh = None
     for index, sphere in enumerate(SPHERES):
         x, z = COLUMNS[index % 3], ROWS[index // 3]
-        name = f"Sphere {sphere.label}"
-        body = parts.place(scene, name, mesh) if mesh else parts.add(scene, name, shapes.lathe(profile, 128))
-        if mesh is None:
-            mesh = parts.wear(body, None).data
+        body = parts.ball(scene, f"Sphere {sphere.label}", RADIUS, mesh)
+        mesh = body.data
         body.location = (x, 0.0, z)
         body.material_slots[0].link = "OBJECT"  # the mesh is shared
         body.material_slots[0].material = _material(sphere)

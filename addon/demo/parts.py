@@ -3,6 +3,8 @@ import math
 
 import bpy
 
+from . import shapes
+
 
 def empty_scene(name: str, resolution):
     """Empty the file and return its scene, set to Cycles and `resolution` (width, height) in pixels."""
@@ -46,6 +48,15 @@ def place(scene, name, data):
     body = bpy.data.objects.new(name, data)
     scene.collection.objects.link(body)
     return body
+
+
+def ball(scene, name, radius, mesh=None):
+    """A sphere about the origin with one empty slot for a material, of `mesh` where one is given, which is shared."""
+    if mesh is not None:
+        return place(scene, name, mesh)
+    angles = [math.pi * (i / 64.0 - 0.5) for i in range(65)]
+    profile = [(radius * math.cos(a) if 0 < i < 64 else 0.0, radius * math.sin(a)) for i, a in enumerate(angles)]
+    return wear(add(scene, name, shapes.lathe(profile, 128)), None)
 
 
 def text(scene, name, words, size):

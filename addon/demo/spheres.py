@@ -68,7 +68,7 @@ def build(resolution=RESOLUTION):
         _step(scene, level, stand)
         for column, sphere in enumerate(row):
             x = (column - 0.5 * (len(row) - 1)) * SPACING
-            body = _ball(scene, f"Sphere {sphere.label}", ball)
+            body = parts.ball(scene, f"Sphere {sphere.label}", RADIUS, ball)
             ball = body.data
             body.location = (x, depth, height + RADIUS)
             body.rotation_euler = (math.radians(sphere.axis[0]), math.radians(sphere.axis[1]), 0.0)
@@ -100,16 +100,6 @@ def save_blend(path: Path, resolution, samples: int):
     scene = build(resolution)
     prepare(scene, samples)
     parts.save(scene, path)
-
-
-def _ball(scene, name, mesh):
-    """A sphere of `mesh`, which is made where there is none, with a slot for a material."""
-    if mesh is not None:
-        return parts.place(scene, name, mesh)
-    angles = [math.pi * (i / 64.0 - 0.5) for i in range(65)]
-    profile = [(RADIUS * math.cos(a) if 0 < i < 64 else 0.0, RADIUS * math.sin(a)) for i, a in enumerate(angles)]
-    body = parts.add(scene, name, shapes.lathe(profile, 128))
-    return parts.wear(body, None)
 
 
 def _step(scene, level, material):

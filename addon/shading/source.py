@@ -5,9 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..brdf import lobes, tables
+from ..brdf import tables
 from ..brdf.axes import SineAxis
-from ..brdf.lobe_model import LobeModel
 
 _OSL = Path(__file__).resolve().parents[2] / "osl"
 _INCLUDE = re.compile(r'^#include "([^"]+)"\n', re.MULTILINE)
@@ -54,8 +53,7 @@ def _flattened(path: Path, seen: set) -> str:
 
 def _definitions(model, lut) -> str:
     """Macros that carry the numbers: DATA_PARAMETERS (array parameters with their values), axes and table names."""
-    family = _base_family(model)
-    lines, parameters = _bells() if family is None else _base(family)
+    lines, parameters = _base(model.base_family) if model.base_family else _bells()
     used = [tables.TABLES[name] for name in model.tables]
     by_mode = {table.control: table for table in used if isinstance(table, tables.Table)}
     for table in used:
@@ -72,11 +70,6 @@ def _definitions(model, lut) -> str:
         lines.append("#define TABLE_FILE")
     lines.append("#define DATA_PARAMETERS " + ", ".join(parameters))
     return "\n".join(lines) + "\n"
-
-
-def _base_family(model):
-    """The family of base lobes that a model's shader uses, or None where it uses bells on the disk."""
-    return model.lobe.id if isinstance(model, LobeModel) and model.lobe is not lobes.DISK else None
 
 
 def _bells():

@@ -80,8 +80,12 @@ float exponent_between(float at_normal, float grazing, float mu)
     return pow(at_normal + 1.0, mu) * pow(grazing + 1.0, 1.0 - mu) - 1.0;
 }
 
-// Largest radius about the origin that stays on the disk: 1 - sin theta (below eq. 32).
-float disk_room(Disk d) { return d.frame.view[2] * d.frame.view[2] / (1.0 + hypot(d.frame.view[0], d.frame.view[1])); }
+// Largest radius about the origin that stays on the disk: 1 - sin theta (below eq. 32), without cancellation.
+float room_at(float mu) { return mu * mu / (1.0 + sqrt(max(1.0 - mu * mu, 0.0))); }
+float disk_room(Disk d) { return room_at(d.frame.view[2]); }
+
+// The standard deviation of a lump along either axis, in parts of its radius.
+float lump_deviation(float n) { return inversesqrt(2.0 * (n + 2.0)); }
 
 // A point in units of the radii from the lump's centre, and back.
 vector lump_at(Lump p, vector h)

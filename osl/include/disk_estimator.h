@@ -130,9 +130,6 @@ closure color bell_closure(Bell b, Frame f)
                                  b.alpha_x, b.alpha_y, 0.0, 0);
 }
 
-// The standard deviation of a lump along either axis, in parts of its radius.
-float lump_deviation(float n) { return inversesqrt(2.0 * (n + 2.0)); }
-
 void add_bell(Disk d, Lump p, float x, float y, float deviation, float weight, output Bells b)
 {
     Spot s;

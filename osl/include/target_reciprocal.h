@@ -9,7 +9,7 @@ struct Target {
 // Square root of the profile of the largest lump at a cosine, over its slope R / cosine = tan(45 deg - theta / 2).
 float root_profile(float mu, float tan2, float n)
 {
-    float slope = mu / (1.0 + sqrt(max(1.0 - mu * mu, 0.0)));
+    float slope = room_at(mu) / mu;
     float inside = 1.0 - tan2 / (slope * slope);
     return inside > 0.0 ? pow(inside, 0.5 * n) / slope : 0.0;
 }
@@ -38,7 +38,7 @@ Lump target_like(Target t, Disk d, Lump p)
 {
     Lump like = p;
     float slope = p.radii[0] / d.frame.view[2];
-    float half_room = max(atan(slope) - atan(slope * inversesqrt(2.0 * (p.n + 2.0))), 0.2 * atan(slope));
+    float half_room = max(atan(slope) - atan(slope * lump_deviation(p.n)), 0.2 * atan(slope));
     like.radii[0] = tan(half_room) * d.frame.view[2];
     like.radii[1] = like.radii[0];
     return like;

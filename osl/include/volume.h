@@ -2,7 +2,7 @@
 
 float lump_volume(Row row, float mu_view, float radius, TABLE(volumes))
 {
-    float distance = mu_view * mu_view / (1.0 + sqrt(max(1.0 - mu_view * mu_view, 0.0)));
+    float distance = room_at(mu_view);
     float place = (1.0 - sqrt(max(1.0 - radius, 0.0))) * (VOLUME_LAYERS - 1);
     int layer = min((int)place, VOLUME_LAYERS - 2);
     float at[2];
