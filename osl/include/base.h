@@ -175,7 +175,8 @@ float base_value(Base b, vector view, vector light, vector h)
     for (int i = 0; i < BASE_RAMPS; i += 1) {
         if (b.sets[i] >= 0) {
             float e = b.exponent[i];
-            float power = pow(max(dot(b.axis[i], light), 0.0), e);
+            vector away = b.axis[i] - light;
+            float power = power_of_rest(0.5 * dot(away, away), e);
             float x = (LEVELS - 1) * min(power, 1.0);
             int k = min((int)x, LEVELS - 2);
             int at = SLOTS * b.sets[i] + k;

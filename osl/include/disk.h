@@ -3,6 +3,8 @@
 // Local frame: x is the tangent, z the shading normal. A point h of the disk is (h_u, h_v, 0); the disk's centre is the
 // in-plane part of the view.
 
+#include "power.h"
+
 struct Disk {
     Frame frame;
     int orthogonal;  // the projection: orthogonal or scaling
@@ -99,8 +101,8 @@ vector lump_point(Lump p, float x, float y) { return p.centre + x * p.radii[0] *
 // Density over the unit disk of `at`, which is p(h) times the product of the radii.
 float unit_lump(vector at, float n)
 {
-    float inside = 1.0 - dot(at, at);
-    return inside > 0.0 ? (n + 1.0) / M_PI * pow(inside, n) : 0.0;
+    float r2 = dot(at, at);
+    return r2 < 1.0 ? (n + 1.0) / M_PI * power_of_rest(r2, n) : 0.0;
 }
 
 // The light whose point on the disk is `h`; returns whether there is one above the horizon.

@@ -193,8 +193,7 @@ void make_bells(Disk d, Lump p, float gain, float table[], output Bells b)
 float lump_curvature(vector at, float n)
 {
     float r2 = dot(at, at);
-    float inside = 1.0 - r2;
-    return inside > 0.0 ? (n + 1.0) / M_PI * 4.0 * n * pow(inside, n - 2.0) * ((n - 1.0) * r2 - inside) : 0.0;
+    return r2 < 1.0 ? (n + 1.0) / M_PI * 4.0 * n * power_of_rest(r2, n - 2.0) * (n * r2 - 1.0) : 0.0;
 }
 
 // A lump no narrower than Cycles' narrowest facets: a radius that is too small is enlarged.
@@ -238,10 +237,11 @@ closure color estimate_lump(Disk d, Lump given, Target t, color tint, vector num
     for (int k = 0; k < count && numbers[1] < chance; k += 1) {
         // Eq. 28.
         float u = max(lattice_u(drawn, k, count), 1e-7);
-        float r = DRAWN_RADIUS * sqrt(max(1.0 - pow(u, 1.0 / (drawn_n + 1.0)), 0.0));
+        float r2 = rest_of_root(u, drawn_n + 1.0);
+        float r = DRAWN_RADIUS * sqrt(r2);
         float phi = M_2PI * lattice_v(drawn, k);
         vector at = r * vector(cos(phi), sin(phi), 0.0);
-        float density = chance * unit_lump(at / DRAWN_RADIUS, drawn_n) / (DRAWN_RADIUS * DRAWN_RADIUS);
+        float density = chance * (drawn_n + 1.0) / M_PI * u / ((1.0 - r2) * DRAWN_RADIUS * DRAWN_RADIUS);
         Spot s;
         float shrunk;
         if (density > 0.0 && disk_spot(d, lump_point(p, at[0], at[1]), s)) {

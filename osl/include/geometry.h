@@ -42,14 +42,14 @@ Frame make_frame(normal shading, normal geometric, vector view)
     return f;
 }
 
-// A direction at the angle acos(cos_delta) from a unit axis, at the azimuth phi (Duff et al. 2017).
-vector around(vector axis, float cos_delta, float phi)
+// A direction whose cosine to a unit axis falls short of one by `rest`, at the azimuth phi (Duff et al. 2017).
+vector around(vector axis, float rest, float phi)
 {
     float s = axis[2] >= 0.0 ? 1.0 : -1.0;
     float a = -1.0 / (s + axis[2]);
     float b = axis[0] * axis[1] * a;
-    float sin_delta = sqrt(max(0.0, 1.0 - cos_delta * cos_delta));
+    float sin_delta = sqrt(rest * (2.0 - rest));
     return sin_delta * cos(phi) * vector(1.0 + s * axis[0] * axis[0] * a, s * b, -s * axis[0])
          + sin_delta * sin(phi) * vector(b, s + axis[1] * axis[1] * a, -axis[1])
-         + cos_delta * axis;
+         + (1.0 - rest) * axis;
 }

@@ -1,20 +1,25 @@
 // The half-vector lobe f_0 = (n+8)/(8 pi) (N.H)^n: see HalfVectorLobe in addon/brdf/lobes.py.
 
+#include "power.h"
+
+// (N.H)^n
+float half_power(vector h, float n) { return power_of_rest((h[0] * h[0] + h[1] * h[1]) / (1.0 + max(h[2], 0.0)), n); }
+
 float lobe_value(vector view, vector light, float n)
 {
     vector h = normalize(view + light);
-    return (n + 8.0) / (4.0 * M_2PI) * pow(max(h[2], 0.0), n);
+    return (n + 8.0) / (4.0 * M_2PI) * half_power(h, n);
 }
 
 float lobe_density(vector view, vector light, float n)
 {
     vector h = normalize(view + light);
-    return (n + 1.0) / M_2PI * pow(max(h[2], 0.0), n) / (4.0 * max(dot(view, h), 1e-6));
+    return (n + 1.0) / M_2PI * half_power(h, n) / (4.0 * max(dot(view, h), 1e-6));
 }
 
 vector lobe_draw(vector view, float u, float v, float n)
 {
-    vector h = around(vector(0.0, 0.0, 1.0), pow(max(u, 1e-7), 1.0 / (n + 1.0)), M_2PI * v);
+    vector h = around(vector(0.0, 0.0, 1.0), rest_of_root(u, n + 1.0), M_2PI * v);
     return 2.0 * dot(view, h) * h - view;
 }
 

@@ -1,18 +1,21 @@
 // The Phong lobe f_0 = (n+2)/(2 pi) max(R.L, 0)^n: see PhongLobe in addon/brdf/lobes.py.
 
-float lobe_value(vector view, vector light, float n)
+#include "power.h"
+
+// max(R.L, 0)^n
+float mirror_power(vector view, vector light, float n)
 {
-    return (n + 2.0) / M_2PI * pow(max(dot(mirror_of(view), light), 0.0), n);
+    vector away = mirror_of(view) - light;
+    return power_of_rest(0.5 * dot(away, away), n);
 }
 
-float lobe_density(vector view, vector light, float n)
-{
-    return (n + 1.0) / M_2PI * pow(max(dot(mirror_of(view), light), 0.0), n);
-}
+float lobe_value(vector view, vector light, float n) { return (n + 2.0) / M_2PI * mirror_power(view, light, n); }
+
+float lobe_density(vector view, vector light, float n) { return (n + 1.0) / M_2PI * mirror_power(view, light, n); }
 
 vector lobe_draw(vector view, float u, float v, float n)
 {
-    return around(mirror_of(view), pow(max(u, 1e-7), 1.0 / (n + 1.0)), M_2PI * v);
+    return around(mirror_of(view), rest_of_root(u, n + 1.0), M_2PI * v);
 }
 
 // Exponent of the Phong lobe that is as wide, which scales the base lobes.

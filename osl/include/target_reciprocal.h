@@ -10,14 +10,14 @@ struct Target {
 float root_profile(float mu, float tan2, float n)
 {
     float slope = room_at(mu) / mu;
-    float inside = 1.0 - tan2 / (slope * slope);
-    return inside > 0.0 ? pow(inside, 0.5 * n) / slope : 0.0;
+    float r2 = tan2 / (slope * slope);
+    return r2 < 1.0 ? power_of_rest(r2, 0.5 * n) / slope : 0.0;
 }
 
 color target_density(Target t, Disk d, Lump p, vector at, Spot s, TABLE(albedos))
 {
     float mu = d.frame.view[2];
-    float tan2 = 1.0 / (s.h[2] * s.h[2]) - 1.0;
+    float tan2 = (s.h[0] * s.h[0] + s.h[1] * s.h[1]) / (s.h[2] * s.h[2]);
     float symmetric = (p.n + 1.0) / M_PI * root_profile(mu, tan2, p.n) * root_profile(s.light[2], tan2, p.n);
     // f (N.L) over dh / dL, in units of the radii; what both share cancels.
     float density = symmetric * sqrt(s.light[2] / mu) / (mu * mu) * p.radii[0] * p.radii[1];
