@@ -15,7 +15,7 @@
 #define STRAIGHT 0.05     // where the disk's map is as straight as this
 #define BENT 0.9          // share that the bells leave to splats, for its bending: they follow a bent lump badly
 #define TOO_BENT 1.0      // there is no use in bells
-#define WIDEST 0.2        // of a lump's standard deviation: splats; WIDER for sharp lumps, which are nearly bells,
+#define WIDEST 0.15       // of a lump's standard deviation: splats; WIDER for sharp lumps, which are nearly bells,
 #define WIDER 0.35
 #define UNSHARP 0.1       // or, where their blur is not put back, this; and at most
 #define TO_EDGE 0.4       // of the way to the lump's edge,
@@ -23,7 +23,7 @@
 #define MUCH_LEFT 0.1     // of the volume: where all samples per hit are drawn
 #define LITTLE_LEFT 0.02  // of the volume: with less, splats are drawn at fewer hits, and are heavier
 #define HEAVIEST 3.0      // weight of all splats of a lump
-#define DRAWN_RADIUS 1.6  // what splats are drawn from is a lump of this radius, 1.28 times as wide as a sharp lump
+#define DRAWN_RADIUS 1.45  // what splats are drawn from is a lump of this radius, 1.16 times as wide as a sharp lump
 
 struct Bell {
     vector facet;
