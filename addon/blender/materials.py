@@ -22,13 +22,13 @@ def create_material(model_id: str, name: str | None = None, lut: str = source.CO
         raise ValueError(f"no model {model_id!r}; there are {', '.join(brdf.MODELS)}")
     model = brdf.MODELS[model_id]
     model.resolve(parameters)
-    osl.compile_model(model, lut)  # before anything is made: a failure leaves no half material behind
+    osl.compile_model(model, lut, parameters)  # before anything is made: a failure leaves no half material behind
     material = bpy.data.materials.new(name or model.label)
     if material.node_tree is None:  # 5.x materials are born with one, and warn when asked for it
         material.use_nodes = True
     material.node_tree.nodes.clear()
-    node = _build_tree(material.node_tree, model, lut)
-    if "roughness" in parameters:
+    node = _build_tree(material.node_tree, model, lut, parameters)
+    if "roughness" in parameters and any(p.id == "use_roughness" for p in model.parameters):
         parameters = {"use_roughness": True, **parameters}
     for key, value in parameters.items():
         _write(node, model.parameter(key), value)
@@ -36,8 +36,8 @@ def create_material(model_id: str, name: str | None = None, lut: str = source.CO
     return material
 
 
-def _build_tree(tree, model, lut):
-    node = osl.add_script_node(tree, model, lut)
+def _build_tree(tree, model, lut, parameters):
+    node = osl.add_script_node(tree, model, lut, parameters)
     node.location = (-260.0, 300.0)
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     output.name = output.label = CYCLES_OUTPUT
@@ -126,7 +126,7 @@ def rebuild(material):
     node = script_node(material)
     if node is None:
         raise ValueError(f"{material.name!r} has no Plausible BRDF node")
-    osl.load(node, model_of(node), node.get(osl.LUT_KEY, source.COMPILED))
+    osl.load(node, model_of(node), node.get(osl.LUT_KEY, source.COMPILED), values(node))
 
 
 def change_model(material, model_id: str):

@@ -30,12 +30,12 @@ def unavailable() -> str | None:
     return None
 
 
-def compile_model(model, lut: str = source.COMPILED) -> str:
-    """Bytecode of a model's shader. Raises OslError when it cannot be compiled, brdf.TableError for a bad table."""
+def compile_model(model, lut: str = source.COMPILED, parameters: dict | None = None) -> str:
+    """Bytecode of a model's shader, for its `parameters` where it is baked for them. Raises OslError when it cannot be compiled, brdf.TableError for a bad table."""
     reason = unavailable()
     if reason:
         raise OslError(reason)
-    text = source.assemble(model, lut)
+    text = source.assemble(model, lut, parameters)
     key = hashlib.md5(text.encode()).hexdigest()
     if key not in _compiled:
         _compiled[key] = _compile(model, text)
@@ -59,7 +59,7 @@ def _without_places(bytecode):
     return re.sub(r'\s%(?:filename|line)\{[^}]*\}', "", "\n".join(lines)) + "\n"
 
 
-def add_script_node(tree, model, lut: str = source.COMPILED):
+def add_script_node(tree, model, lut: str = source.COMPILED, parameters: dict | None = None):
     """Add a Script node that holds the compiled model, its sockets made from the registry, to a node tree.
 
     The sockets are made here, not by Blender: what Blender does to make them differs with version and build.
@@ -67,7 +67,7 @@ def add_script_node(tree, model, lut: str = source.COMPILED):
     node = tree.nodes.new("ShaderNodeScript")
     node.label, node.width = model.label, 220.0
     node[MODEL_KEY] = model.id
-    load(node, model, lut)
+    load(node, model, lut, parameters)
     for parameter in model.parameters:
         socket = node.inputs.new(SOCKETS[parameter.kind], parameter.label, identifier=parameter.id)
         socket.default_value = (*parameter.default, 1.0) if parameter.kind == "color" else parameter.default
@@ -85,9 +85,9 @@ def add_script_node(tree, model, lut: str = source.COMPILED):
     return node
 
 
-def load(node, model, lut: str = source.COMPILED):
+def load(node, model, lut: str = source.COMPILED, parameters: dict | None = None):
     """Put freshly compiled bytecode into a Script node; its sockets, values and links stay."""
-    bytecode = compile_model(model, lut)
+    bytecode = compile_model(model, lut, parameters)
     node.mode = "INTERNAL"
     node.bytecode = bytecode
     node.bytecode_hash = hashlib.md5(bytecode.encode()).hexdigest()

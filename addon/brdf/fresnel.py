@@ -42,3 +42,10 @@ def factor(choice: int, view_dot_half, color, f90, ior, extinction) -> np.ndarra
     if choice == CONDUCTOR:
         return conductor(view_dot_half, ior, extinction)
     return np.broadcast_to(np.asarray(color, dtype=np.float64), (np.size(view_dot_half), 3))
+
+
+def is_white(p) -> bool:
+    """Whether the factor of parameters `p` is 1 in every channel at every angle."""
+    white = (1.0, 1.0, 1.0)
+    return p["fresnel_type"] != CONDUCTOR and p["base_color"] == white and (
+        p["fresnel_type"] == CONSTANT or p["f90"] == white)

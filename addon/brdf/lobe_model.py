@@ -41,12 +41,12 @@ class LobeModel(Model):
 
     def _value(self, view, light, p):
         value = self.lobe.value(view, light, p["exponent"]) / self._correction(view[:, 2], light[:, 2], p)
-        return value if self._is_white(p) else value[:, None] * self._factor(dot(view, half(view, light)), p)
+        return value if fresnel.is_white(p) else value[:, None] * self._factor(dot(view, half(view, light)), p)
 
     def _albedo(self, mu, p):
         nodes = meridians(self.lobe, p["exponent"], mu, polar=32, azimuthal=48)
         energy = nodes.energy / self._correction(mu[:, None], nodes.light_cosine, p)[..., None]
-        if self._is_white(p):
+        if fresnel.is_white(p):
             return energy.sum(axis=(1, 2))
         factor = self._factor(nodes.view_dot_half.ravel(), p).reshape(energy.shape + (3,))
         return np.einsum("vpa,vpac->vc", energy, factor)
@@ -68,11 +68,6 @@ class LobeModel(Model):
 
     def _factor(self, view_dot_half, p):
         return fresnel.factor(p["fresnel_type"], view_dot_half, p["base_color"], p["f90"], p["ior"], p["extinction"])
-
-    @staticmethod
-    def _is_white(p):
-        return p["fresnel_type"] != fresnel.CONDUCTOR and p["base_color"] == (1.0, 1.0, 1.0) and (
-            p["fresnel_type"] == fresnel.CONSTANT or p["f90"] == (1.0, 1.0, 1.0))
 
     def stand_in(self, p: dict):
         """(colour (3,), exponent of a half-vector power, metallic 0..1) of what looks alike: for other engines."""

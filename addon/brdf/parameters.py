@@ -171,3 +171,60 @@ TANGENT = (
               "Direction that Radius U is measured along; unlinked it runs around the object's z axis",
               -math.inf, math.inf, evaluated=False),
 )
+
+
+# Of the literature's models. What is narrower than the least width would be a mirror to a renderer.
+_WIDTH = {"minimum": 0.01, "maximum": 1.0}
+SLOPE = (Parameter("roughness", "Slope m", "float", 0.2, "Slope m of the microfacets, √2 times its root mean square",
+                   **_WIDTH),)
+SLOPES = (
+    Parameter("roughness_u", "Slope U", "float", 0.15, "Slope m_x of the microfacets along the tangent", **_WIDTH),
+    Parameter("roughness_v", "Slope V", "float", 0.15, "Slope m_y of the microfacets across the tangent", **_WIDTH),
+)
+SPECULAR = (Parameter("base_color", "Specular Color", "color", (1.0, 1.0, 1.0),
+                      "Reflectance of the specular part, at normal incidence, linear RGB"),)
+DIFFUSE = (Parameter("diffuse_color", "Diffuse Color", "color", (0.0, 0.0, 0.0), "Reflectance of the diffuse part"),)
+EXPONENT = (Parameter("exponent", "Exponent", "float", 50.0, "Exponent of the lobe: larger is sharper", 1.0, 10000.0,
+                      logarithmic=True),)
+POWERS = (
+    Parameter("exponent_u", "Exponent U", "float", 50.0, "Exponent of the lobe along the tangent", 1.0, 10000.0,
+              logarithmic=True),
+    Parameter("exponent_v", "Exponent V", "float", 50.0, "Exponent of the lobe across the tangent", 1.0, 10000.0,
+              logarithmic=True),
+)
+SMOOTHNESS = (
+    Parameter("smoothness", "Smoothness s", "float", 5.0, "Smoothness s, one over the slope of the surface", 1.0, 100.0),
+    Parameter("scattering", "Scattering", "float", 1.0, "Share a_sc of the light that is scattered about the mirror "
+              "direction"),
+)
+SURFACE = (
+    Parameter("sigma", "Height σ₀", "float", 0.1, "Root mean square height of the surface in micrometres", 0.01, 1.0),
+    Parameter("tau", "Correlation τ", "float", 1.7, "Correlation length of the surface in micrometres", 0.2, 20.0),
+    Parameter("wavelength", "Wavelength", "float", 0.55, "Wavelength of the light in micrometres", 0.38, 0.78),
+)
+NORMALIZE = (Parameter("normalize", "Normalized", "bool", True, "Scale the lobe so that its light does not depend on "
+                       "the exponent"),)
+
+
+def _lobe_of_sum(i, weight, exponent):
+    return (
+        Parameter(f"weight_{i}", f"Weight {i}", "float", weight, f"Share of lobe {i}"),
+        Parameter(f"exponent_{i}", f"Exponent {i}", "float", exponent, f"Exponent of lobe {i}: larger is sharper", 1.0,
+                  10000.0, logarithmic=True),
+    )
+
+
+LOBES = _lobe_of_sum(1, 0.5, 300.0) + _lobe_of_sum(2, 0.3, 40.0) + _lobe_of_sum(3, 0.1, 5.0)
+
+
+def _cosine_lobe(i, weight, exponent, cxy, cz):
+    return (
+        *_lobe_of_sum(i, weight, exponent),
+        Parameter(f"cxy_{i}", f"C_xy {i}", "float", cxy, f"How lobe {i} follows the mirror direction: -1 as a mirror, "
+                  "more towards grazing where it is larger than C_z, 1 back to the light", -1.2, 1.2),
+        Parameter(f"cz_{i}", f"C_z {i}", "float", cz, f"How upright lobe {i} is", -1.2, 1.2),
+    )
+
+
+COSINE_LOBES = (_cosine_lobe(1, 0.7, 20.0, -1.01, 0.98) + _cosine_lobe(2, 0.1, 5.0, -0.5, 1.0)
+                + _cosine_lobe(3, 0.05, 10.0, 0.9, 1.0))

@@ -7,6 +7,7 @@ where m_j > 1 (Blinn) inequality 17 has no solution and m_j^s interpolates geome
 """
 import numpy as np
 
+NEUMANN = "Neumann, Neumann, Szirmay-Kalos, Compact metallic reflectance models / Albedo pumping-up, 1999"
 MAX_PUMPS = 4
 
 

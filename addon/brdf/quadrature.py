@@ -89,3 +89,43 @@ def polar_energy(lobe, exponent: float, cos_theta, polar: int, azimuthal: int, e
         for nodes in [meridians(lobe, exponent, cos_theta[start : start + block], polar, azimuthal, edges)]
     ]
     return tuple(np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+
+
+def hemisphere(evaluate, view, width: float, mirrored: bool = True, polar: int = 12, azimuthal: int = 48):
+    """Integral of `evaluate(view, light)`, (N,) or (N, 3) in 1/sr, times N·L over the lights above the horizon.
+
+    `view` (3,) lies in the x-z plane. Nodes are dense where half vectors lean by `width` or less; `mirrored`: the two
+    sides of the plane of incidence are alike, and one is looked at. Returns a number or (3,).
+    """
+    light, weight = _hemisphere_nodes(float(view[2]), width, polar, azimuthal)
+    if not mirrored:
+        light = np.concatenate([light, light * [1.0, -1.0, 1.0]])
+        weight = np.concatenate([weight, weight])
+    value = evaluate(np.broadcast_to(view, light.shape), light)
+    energy = value * (weight if value.ndim == 1 else weight[:, None])
+    return energy.sum(axis=0) * (2.0 if mirrored else 1.0)
+
+
+def _hemisphere_nodes(mu_view, width, polar, azimuthal):
+    """Lights (N, 3) on the side y <= 0 and weights (N,): solid angle times N·L."""
+    theta_view = np.arccos(min(mu_view, 1.0))
+    # Intervals of the light angle grow geometrically from the mirror direction, and from the horizon.
+    steps = 2.0 * width * np.geomspace(0.3, max(3.2 / width, 1.0), 12)
+    ends = np.concatenate([[0.0, theta_view, 0.5 * np.pi], theta_view - steps, theta_view + steps,
+                           0.5 * np.pi - np.geomspace(1e-4, 0.3, 5)])
+    ends = np.unique(ends[(ends >= 0.0) & (ends <= 0.5 * np.pi)])
+    x, w = _gauss(polar)
+    theta = (ends[:-1, None] + np.diff(ends)[:, None] * x).ravel()
+    theta_weight = (np.diff(ends)[:, None] * w).ravel()
+    # Over the azimuth from the mirror plane a lobe is as wide as half vectors say (as a half-vector power's is).
+    sines = np.maximum(np.sin(theta_view) * np.sin(theta), 1e-12)
+    near = np.maximum(1.0 + np.cos(theta_view + theta), 1e-12)
+    scale = np.clip(width * np.sqrt(2.0 * near / sines), 1e-6, 10.0)
+    span = np.arcsinh(np.pi / scale)
+    s, v = _gauss(azimuthal)
+    u = span[:, None] * s
+    phi = np.pi + scale[:, None] * np.sinh(u)
+    weight = (scale * span)[:, None] * np.cosh(u) * v * (theta_weight * np.sin(theta) * np.cos(theta))[:, None]
+    sine, cosine = np.sin(theta)[:, None], np.cos(theta)[:, None]
+    light = np.stack([sine * np.cos(phi), sine * np.sin(phi), np.broadcast_to(cosine, phi.shape)], axis=-1)
+    return light.reshape(-1, 3), weight.ravel()

@@ -25,6 +25,8 @@ class Model:
     formula: str
     references: tuple
 
+    baked = False  # whether it renders by weights that are baked for its parameters (see FormulaModel)
+
     @property
     def base_family(self):
         """The family of base lobes that its shader uses, see baking/base.py; None where it uses bells on the disk."""

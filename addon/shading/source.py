@@ -1,10 +1,11 @@
-"""Assembles a model's shader: headers flattened, base lobes and albedo tables put in as arrays of numbers."""
+"""Assembles a model's shader: headers flattened, base lobes, tables and weights put in as arrays of numbers."""
 import json
 import re
 from pathlib import Path
 
 import numpy as np
 
+from ..baking import weights
 from ..brdf import tables
 from ..brdf.axes import SineAxis
 
@@ -15,11 +16,11 @@ COMPILED, FILE = "compiled", "file"
 
 def shader_path(model) -> Path:
     """The .osl file of a model."""
-    return _OSL / f"{model.id}.osl"
+    return _OSL / ("weights.osl" if model.baked else f"{model.id}.osl")
 
 
-def assemble(model, lut: str = COMPILED) -> str:
-    """OSL source of `model`, without includes.
+def assemble(model, lut: str = COMPILED, parameters: dict | None = None) -> str:
+    """OSL source of `model`, without includes. A baked model's weights are those for its `parameters`.
 
     `lut` is "compiled" (tables are numbers in the text) or "file" (tables are read by texture(); their paths are the
     string parameters table_plain and table_controlled). Raises ValueError for another `lut`, brdf.TableError when a
@@ -28,6 +29,8 @@ def assemble(model, lut: str = COMPILED) -> str:
     if lut not in (COMPILED, FILE):
         raise ValueError(f"lut: {lut!r} is not one of {COMPILED}, {FILE}")
     text = _flattened(shader_path(model), set())
+    if model.baked:
+        return _weights(model, parameters or {}) + text
     return _definitions(model, lut) + text
 
 
@@ -70,6 +73,42 @@ def _definitions(model, lut) -> str:
         lines.append("#define TABLE_FILE")
     lines.append("#define DATA_PARAMETERS " + ", ".join(parameters))
     return "\n".join(lines) + "\n"
+
+
+_TYPES = {"float": "float", "int": "int", "bool": "int", "enum": "int", "color": "color", "vector": "normal"}
+
+
+def _weights(model, given):
+    """Macros of a baked model: its signature, what its inputs must be for its weights to hold, and the weights."""
+    p = model.resolve(given)
+    baked = weights.weights(model, given)
+    inputs = [f"{_TYPES[q.kind]} {q.id} = {_literal(_TYPES[q.kind], q.default)}" for q in model.parameters]
+    matches = [_matches(q, p[q.id]) for q in model.parameters if q.evaluated]
+    numbers = {"VIEWS": weights.VIEWS, "STEEPEST": weights.STEEPEST, "CROWDED": weights.CROWDED,
+               "FACETS": weights.FACETS, "RINGS": weights.CELL_RINGS, "AROUND": weights.CELL_TURNS,
+               "CHANNELS": baked.channels}
+    lines = [f"#define W_{name} {value}" for name, value in numbers.items()]
+    lines += [f"#define MODEL {model.id}", f'#define MODEL_LABEL "{model.label}"',
+              "#define MODEL_PARAMETERS " + ", ".join(inputs), "#define MODEL_MATCHES " + " && ".join(matches),
+              "#define DATA_PARAMETERS " + _array("weights", baked.rows.ravel())]
+    return "\n".join(lines) + "\n"
+
+
+def _literal(kind, value):
+    """A default as OSL writes it, of its own type: Cycles does not set inputs whose default is converted."""
+    if isinstance(value, tuple):
+        return "{}({}, {}, {})".format(kind, *value)
+    return repr(float(value)) if kind == "float" else f"{value:d}"
+
+
+def _matches(parameter, value):
+    """A condition that holds where an input is `value`, to single precision."""
+    if parameter.kind == "color":
+        return " && ".join(f"abs({parameter.id}[{i}] - {c!r}) <= {1e-5 * max(abs(c), 1e-3):.3g}"
+                           for i, c in enumerate(value))
+    if parameter.kind == "float":
+        return f"abs({parameter.id} - {value!r}) <= {1e-5 * max(abs(value), 1e-3):.3g}"
+    return f"{parameter.id} == {int(value)}"
 
 
 def _bells():

@@ -29,13 +29,24 @@ Colour input_colour(int choice, color f0, color f90, color n, color k)
     return c;
 }
 
-// What a hit shows when its table cannot be used: magenta and black stripes, and a message. Not emission: a shader that
-// could emit makes Cycles sample the whole mesh as a lamp, at the cost of all the others.
+// What a hit shows when its numbers cannot be used: magenta and black stripes. Not emission: a shader that could emit
+// makes Cycles sample the whole mesh as a lamp, at the cost of all the others.
+closure color stripes()
+{
+    color stripe = mod(floor(8.0 * (P[0] + P[1] + P[2])), 2.0) < 1.0 ? color(1.0, 0.0, 1.0) : color(0.0);
+    return stripe * diffuse(N);
+}
+
 closure color broken_table(string file)
 {
     warning("Plausible BRDF: albedo table %s is missing, stale or unreadable; bake it or choose its file\n", file);
-    color stripe = mod(floor(8.0 * (P[0] + P[1] + P[2])), 2.0) < 1.0 ? color(1.0, 0.0, 1.0) : color(0.0);
-    return stripe * diffuse(N);
+    return stripes();
+}
+
+closure color stale_weights(string model)
+{
+    warning("Plausible BRDF: %s was baked for other parameters than its sockets have; bake its weights again\n", model);
+    return stripes();
 }
 
 float input_spread(float light_spread) { return input_number(light_spread, 0.0, 2.0, 1.0); }

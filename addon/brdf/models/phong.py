@@ -2,10 +2,10 @@
 from ..lobe_model import LobeModel
 from ..lobes import PHONG
 from ..parameters import COLOUR, ESTIMATOR, PUMPING, SHAPE
+from ..pumping import NEUMANN
 from ..registry import register
 
 LEWIS = "Lewis, Making shaders more physically plausible, 1993"
-NEUMANN = "Neumann, Neumann, Szirmay-Kalos, Compact metallic reflectance models / Albedo pumping-up, 1999"
 
 register(LobeModel(
     id="phong", label="Phong", description="The reciprocal Phong lobe: darkens towards grazing angles",

@@ -1,0 +1,312 @@
+"""The weights that let any formula render: for rows of views, base closures, and cells of what they leave over.
+
+A formula whose parameters are fixed is a function of view and light. For each of a set of views, a row, it is taken apart
+over the half vectors H, where a lobe hardly moves as the view does:
+
+- a base: Beckmann microfacets and a diffuse closure, which Cycles evaluates, fitted to the formula from below;
+- what they leave over, cut into cells of equal energy. At a hit the shader draws some of the cells, in each a half vector,
+  and puts a narrow facet about it (a splat).
+
+Between two rows the shader takes either by chance, in proportion to how near it is: what is expected is then what linear
+interpolation gives. osl/include/weights.h reads the rows. Where the base is above the formula nothing can take light
+away; as much is taken from the whole base, so that no row makes light.
+"""
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ..brdf.geometry import view_at
+
+VIEWS = 36  # rows
+STEEPEST = np.radians(89.5)  # view of the last row
+CROWDED = 1.5  # how much denser rows are towards grazing
+RINGS, TURNS = 80, 48  # where the formula is looked at: over sin(theta_h), and over half a turn of azimuth
+CELL_RINGS, CELL_TURNS = 12, 16
+FACETS = 8  # base microfacets of a row; those off the plane of incidence come in pairs
+FACET = 7  # numbers of each: its slopes along x and y, its widths along x and y, its colour
+OVER = 6.0  # what more it counts to be above the formula than below it
+STEPS, SWEEPS = 14, 40  # of reweighting, and of coordinate descent in each
+EVEN = 0.25  # share of rings that are evenly spaced, the others have equal energy
+
+# Candidates for the base, in units of the spread of the formula's half vectors: width; and places of their middles.
+WIDTHS = (0.35, 0.6, 0.85, 1.2, 1.7, 2.6)
+PLACES = ((0.0, 0.0), (-1.0, 0.0), (1.0, 0.0), (-2.0, 0.0), (2.0, 0.0), (0.0, 1.2), (-1.0, 1.2), (1.0, 1.2))
+WIDEST_PAIR = 1.3
+
+
+@dataclass(frozen=True)
+class Weights:
+    """`rows` (VIEWS, numbers), laid out as osl/include/weights.h reads it, with `channels` (1 or 3) of energy per cell.
+
+    `left` (VIEWS,) is the share of the light that is left over to splats.
+    """
+
+    rows: np.ndarray
+    channels: int
+    left: np.ndarray
+
+
+def view_angles():
+    """Angles of the rows in radians, (VIEWS,)."""
+    return STEEPEST * (1.0 - (1.0 - np.arange(VIEWS) / (VIEWS - 1)) ** CROWDED)
+
+
+def weights(model, parameters: dict) -> Weights:
+    """Weights of a model that is round about the normal, for its parameters; the last few are kept.
+
+    Raises ValueError where the formula gives what is no reflectance: numbers that are negative or not finite.
+    """
+    p = model.resolve(parameters)
+    return _weights(model, tuple(sorted((q.id, p[q.id]) for q in model.parameters if q.evaluated)))
+
+
+@lru_cache(maxsize=32)
+def _weights(model, key):
+    p = model.resolve(dict(key))
+    looks = [Look.at(model, p, view) for view in view_at(np.cos(view_angles()))]
+    share = _fitted(looks)
+    rows = [_row(look, weight) for look, weight in zip(looks, share, strict=True)]
+    spikes = model.spike(np.cos(view_angles()), p) if model.spike else np.zeros((VIEWS, 3))
+    channels = looks[0].density.shape[-1]
+    numbers = np.array([np.concatenate([row, spike]) for (row, _), spike in zip(rows, spikes, strict=True)])
+    return Weights(numbers, channels, np.array([left for _, left in rows]))
+
+
+@dataclass(frozen=True)
+class Look:
+    """A formula seen from one view, on a polar grid of half vectors on the side y >= 0.
+
+    `s` (RINGS + 1,) are the rings' edges over sin(theta_h); `light`, `half` (RINGS, TURNS, 3), `area` (RINGS, TURNS) the
+    solid angle of half vectors, both sides together. `density` (RINGS, TURNS, channels) is f (N·L) dω_L / dω_H.
+    """
+
+    view: np.ndarray
+    s: np.ndarray
+    light: np.ndarray
+    half: np.ndarray
+    lit: np.ndarray
+    area: np.ndarray
+    density: np.ndarray
+
+    @classmethod
+    def at(cls, model, p, view):
+        coarse = np.unique(np.concatenate([[0.0], np.geomspace(0.01 * model.width(p), 1.0, 160), np.linspace(0, 1, 80)]))
+        s = _quantiles(coarse, *cls._ring_energies(model, p, view, coarse))
+        light, half, lit, area = _grid(view, s, TURNS)
+        density = _density(model, p, view, light, half, lit)
+        energy = np.einsum("rt,rtc->c", area, density)
+        true = np.atleast_1d(model.albedo([view[2]], **_given(model, p)).reshape(-1))
+        if model.spike:
+            true = true - model.spike(np.array([view[2]]), p)[0]
+        # The grid's own error, of a few thousandths: a furnace shows the albedo.
+        density = density * (true / np.maximum(energy, 1e-12))
+        return cls(view, s, light, half, lit, area, density)
+
+    @staticmethod
+    def _ring_energies(model, p, view, s):
+        light, half, lit, area = _grid(view, s, 24)
+        energy = (_density(model, p, view, light, half, lit).max(axis=-1) * area).sum(axis=1)
+        return energy, s[1:][lit.any(axis=1)].max()
+
+
+def _given(model, p):
+    return {q.id: p[q.id] for q in model.parameters if q.evaluated}
+
+
+def _quantiles(edges, energy, last):
+    """RINGS + 1 edges, most of them at equal energies."""
+    done = np.concatenate([[0.0], np.cumsum(energy)])
+    if not done[-1] > 0.0:
+        return np.linspace(0.0, last, RINGS + 1)
+    mixed = (1.0 - EVEN) * done / done[-1] + EVEN * np.minimum(edges / last, 1.0)
+    kept = edges <= last * (1.0 + 1e-12)
+    return np.interp(np.linspace(0.0, 1.0, RINGS + 1), mixed[kept] / mixed[kept][-1], edges[kept])
+
+
+def _grid(view, s, turns):
+    """Lights, half vectors (rings, turns, 3), whether lit, and areas (rings, turns) of the cells between the edges s."""
+    middle2 = 0.5 * (s[1:] ** 2 + s[:-1] ** 2)
+    ring, phi = np.meshgrid(np.sqrt(middle2), (np.arange(turns) + 0.5) / turns * np.pi, indexing="ij")
+    up = np.sqrt(np.maximum(1.0 - ring * ring, 0.0))
+    half = np.stack([ring * np.cos(phi), ring * np.sin(phi), up], axis=-1)
+    view_half = half @ view
+    light = 2.0 * view_half[..., None] * half - view
+    lit = (view_half > 1e-6) & (light[..., 2] > 1e-9)
+    # Of s ds dphi / cos(theta_h) the integral over s is exact.
+    rise = np.sqrt(np.maximum(1.0 - s[:-1] ** 2, 0.0)) - np.sqrt(np.maximum(1.0 - s[1:] ** 2, 0.0))
+    return light, half, lit, np.repeat(rise[:, None] * 2.0 * np.pi / turns, turns, axis=1)
+
+
+def _density(model, p, view, light, half, lit):
+    value = model.evaluate(view, light[lit], **_given(model, p)) if lit.any() else np.zeros(0)
+    value = value if value.ndim == 2 else value[:, None]
+    if not np.isfinite(value).all() or value.min(initial=0.0) < 0.0:
+        bad = value[~np.isfinite(value) | (value < 0.0)][0]
+        raise ValueError(f"{model.id}: the formula gives {bad:g} at a view of {np.degrees(np.arccos(view[2])):.1f} "
+                         "degrees; a reflectance is a finite number, 0 or more")
+    density = np.zeros((*lit.shape, value.shape[1]))
+    density[lit] = value * (4.0 * light[lit][:, 2] * (half[lit] @ view))[:, None]
+    return density
+
+
+# The base.
+
+
+def facet_value(slopes, widths, view, light):
+    """f (N·L) of Cycles' Beckmann closure whose normal leans by `slopes` (2,), of `widths` (2,) along x and y.
+
+    `light` (..., 3). Source: Walter et al. 2007, eq. 20, 25; masking and shadowing apart, with their rational fit.
+    """
+    normal = np.array([*slopes, 1.0]) / np.sqrt(1.0 + slopes[0] ** 2 + slopes[1] ** 2)
+    across = np.cross(normal, [1.0, 0.0, 0.0])
+    across /= np.linalg.norm(across)
+    frame = np.stack([np.cross(across, normal), across, normal])
+    v, l, h = frame @ view, light @ frame.T, (light + view) @ frame.T
+    seen = (l[..., 2] > 0.0) & (h[..., 2] > 0.0)
+    if v[2] <= 0.0:
+        return np.zeros(light.shape[:-1])
+    slope2 = sum((h[..., i] / (np.maximum(h[..., 2], 1e-9) * widths[i])) ** 2 for i in (0, 1))
+    cos2 = np.maximum(h[..., 2], 0.0) ** 2 / np.maximum((h * h).sum(axis=-1), 1e-18)
+    d = np.exp(-slope2) / (np.pi * widths[0] * widths[1] * np.maximum(cos2, 1e-9) ** 2)
+    return np.where(seen, d / (4.0 * v[2] * (1.0 + _lambda(v, widths) + _lambda(l, widths))), 0.0)
+
+
+def _lambda(direction, widths):
+    slope2 = sum((direction[..., i] * widths[i]) ** 2 for i in (0, 1)) / np.maximum(direction[..., 2] ** 2, 1e-12)
+    a = 1.0 / np.sqrt(np.maximum(slope2, 1e-30))
+    return np.where(slope2 < 0.39, 0.0, ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a))
+
+
+def _candidates(look):
+    """[(slopes, widths)] of microfacets that may be of use, by the spread of the formula's half vectors."""
+    energy = (look.density.mean(axis=-1) * look.area).ravel()
+
+    def quantiles(slope, shares):
+        order = np.argsort(slope.ravel())
+        done = np.cumsum(energy[order])
+        return np.interp(np.array(shares) * done[-1], done, slope.ravel()[order])
+
+    up = np.maximum(look.half[..., 2], 1e-3)
+    low, middle, high = quantiles(look.half[..., 0] / up, (0.16, 0.5, 0.84))
+    spread = np.maximum([0.5 * (high - low), quantiles(look.half[..., 1] / up, (0.68,))[0]], 1e-4)
+    found = []
+    for width in WIDTHS:
+        for x, y in PLACES:
+            if not y or width < WIDEST_PAIR:
+                slopes = (middle + x * spread[0], y * spread[1])
+                found.append((slopes, tuple(np.clip(np.sqrt(2.0) * width * spread, 5e-4, 1.0))))
+    return found
+
+
+def _shown(look, candidates):
+    """Densities of the candidates, pairs together, and of a diffuse closure last: (candidates + 1, RINGS, TURNS)."""
+    stretch = np.where(look.lit, 4.0 * np.maximum(look.half @ look.view, 0.0), 0.0)
+    found = []
+    for slopes, widths in candidates:
+        value = facet_value(slopes, widths, look.view, look.light)
+        if slopes[1]:
+            value = value + facet_value((slopes[0], -slopes[1]), widths, look.view, look.light)
+        found.append(value * stretch)
+    found.append(np.where(look.lit, look.light[..., 2] / np.pi, 0.0) * stretch)
+    return np.array(found)
+
+
+def _fitted(looks):
+    """[(candidates, their densities, weights)] of each look, with no more than FACETS microfacets that weigh anything."""
+    candidates = [_candidates(look) for look in looks]
+    shown = [_shown(look, c) for look, c in zip(looks, candidates, strict=True)]
+    target = np.array([look.density.mean(axis=-1).ravel() for look in looks])
+    area = np.array([look.area.ravel() for look in looks])
+    basis = np.array([s.reshape(len(s), -1) for s in shown])
+    weight = _from_below(basis, target, area)
+    # The few that carry most, and once more for these alone.
+    energy = weight * np.einsum("vjn,vn->vj", basis, area)
+    energy[:, -1] = np.inf
+    kept = np.argsort(-energy, axis=1)[:, : FACETS + 1]
+    fewer = _from_below(np.take_along_axis(basis, kept[..., None], axis=1), target, area)
+    return [([candidates[i][j] if j < len(candidates[i]) else None for j in kept[i]], shown[i][kept[i]], fewer[i])
+            for i in range(len(looks))]
+
+
+def _from_below(basis, target, area):
+    """Weights >= 0, (views, candidates), of the sum of `basis` (views, candidates, nodes) that leaves least of `target`.
+
+    Least is the integral of |target - sum|, OVER times it where the sum is above: by reweighted least squares.
+    """
+    views, count, _ = basis.shape
+    weight = np.zeros((views, count))
+    small = 5e-4 * target.max(axis=1, keepdims=True) + 0.01 * target
+    importance = area / np.maximum(target, 1e-3 * target.max(axis=1, keepdims=True))
+    for _ in range(STEPS):
+        gram = np.einsum("vjn,vkn->vjk", basis * importance[:, None], basis, optimize=True)
+        right = np.einsum("vjn,vn->vj", basis, importance * target)
+        diagonal = np.einsum("vjj->vj", gram)
+        diagonal = np.where(diagonal > 0.0, diagonal, 1.0)
+        for _ in range(SWEEPS):
+            for j in range(count):
+                step = (right[:, j] - np.einsum("vk,vk->v", gram[:, j], weight)) / diagonal[:, j]
+                weight[:, j] = np.maximum(weight[:, j] + step, 0.0)
+        left = target - np.einsum("vj,vjn->vn", weight, basis)
+        importance = area * np.where(left < 0.0, OVER, 1.0) / np.maximum(np.abs(left), small)
+    return weight
+
+
+# What is left over.
+
+
+def _row(look, fitted):
+    """Numbers of one row, without its spike, and the share that is left over."""
+    candidates, shown, weight = fitted
+    channels = look.density.shape[-1]
+    # Each closure has the colour that the formula has where it shines.
+    gray = look.density.mean(axis=-1)
+    seen = np.einsum("jrt,rt,rtc->jc", shown, look.area, look.density)
+    colour = seen / np.maximum(np.einsum("jrt,rt,rt->j", shown, look.area, gray), 1e-12)[:, None]
+    colours = weight[:, None] * colour
+    base = np.einsum("jc,jrt->rtc", colours, shown)
+    left, over = np.maximum(look.density - base, 0.0), np.maximum(base - look.density, 0.0)
+    owed = np.einsum("rt,rtc->c", look.area, over) / np.maximum(np.einsum("rt,rtc->c", look.area, base), 1e-12)
+    colours = np.broadcast_to(colours * (1.0 - np.minimum(owed, 1.0)), (len(colours), channels))
+    facets = np.zeros((FACETS, FACET))
+    diffuse = np.zeros(3)
+    at = 0
+    for candidate, rgb in zip(candidates, colours, strict=True):
+        if candidate is None:
+            diffuse = np.broadcast_to(rgb, 3)
+        else:
+            facets[at] = [*candidate[0], *candidate[1], *np.broadcast_to(rgb, 3)]
+            at += 1
+    cells = _cells(look, left)
+    energy = np.einsum("rt,rtc->c", look.area, left).max()
+    whole = np.einsum("rt,rtc->c", look.area, look.density).max()
+    return np.concatenate([[energy], facets.ravel(), diffuse, cells]), energy / max(whole, 1e-12)
+
+
+def _cells(look, left):
+    """Edges of rings (CELL_RINGS + 1), of cells around each (CELL_RINGS, CELL_TURNS + 1), energies (.., channels), flat.
+
+    Rings have equal energy in the strongest channel, and so have the cells of a ring. The energies are those of both
+    sides of the plane of incidence, times the number of cells.
+    """
+    energy = look.area[..., None] * left
+    before = np.concatenate([np.zeros((1, *energy.shape[1:])), np.cumsum(energy, axis=0)])  # (RINGS + 1, TURNS, c)
+    strongest = before[-1].sum(axis=0).argmax()
+    by_ring = before[..., strongest].sum(axis=1)
+    if not by_ring[-1] > 0.0:
+        by_ring = np.linspace(0.0, 1.0, RINGS + 1)
+    edges2 = np.interp(np.linspace(0.0, 1.0, CELL_RINGS + 1), by_ring / by_ring[-1], look.s**2)
+    at = np.stack([[np.interp(edges2, look.s**2, before[:, t, c]) for t in range(energy.shape[1])]
+                   for c in range(energy.shape[2])], axis=-1)  # (TURNS, edges, c)
+    turns, energies = [], []
+    phi = np.linspace(0.0, np.pi, energy.shape[1] + 1)
+    for ring in np.diff(at, axis=1).transpose(1, 0, 2):
+        around = np.concatenate([np.zeros((1, ring.shape[1])), np.cumsum(ring, axis=0)])
+        total = around[-1, strongest]
+        steps = around[:, strongest] / total if total > 0.0 else phi / np.pi
+        steps = steps + 1e-9 * phi  # of a flat part, any place
+        edges = np.interp(np.linspace(0.0, steps[-1], CELL_TURNS + 1), steps, phi)
+        turns.append(edges)
+        energies.append(np.diff([np.interp(edges, phi, around[:, c]) for c in range(ring.shape[1])], axis=1).T)
+    energies = np.array(energies) * CELL_RINGS * CELL_TURNS
+    return np.concatenate([np.sqrt(edges2), np.ravel(turns), energies.ravel()])

@@ -1,0 +1,41 @@
+"""What microfacet models share: Beckmann's distribution of normals, two ways to shadow them."""
+import numpy as np
+
+from .geometry import dot, half
+
+
+def beckmann(h, mx, my=None):
+    """D(H) in 1/sr with the root mean square slopes m_x/√2, m_y/√2: ∫ D (N·H) dω = 1. (N,) of half vectors (N, 3)."""
+    my = mx if my is None else my
+    z = np.maximum(h[:, 2], 1e-9)
+    tan2 = (h[:, 0] / (z * mx)) ** 2 + (h[:, 1] / (z * my)) ** 2
+    return np.exp(-tan2) / (np.pi * mx * my * z**4)
+
+
+def v_cavities(view, light):
+    """Shadowing and masking of V-shaped grooves, min(1, 2 (N·H)(N·V)/(V·H), 2 (N·H)(N·L)/(V·H)), (N,).
+
+    Source: Cook and Torrance 1982, after Torrance and Sparrow 1967.
+    """
+    h = half(view, light)
+    lower = np.minimum(view[:, 2], light[:, 2])
+    return np.minimum(1.0, 2.0 * h[:, 2] * lower / np.maximum(dot(view, h), 1e-12))
+
+
+def smith_beckmann(mu, m):
+    """Smith's masking 1 / (1 + Lambda) for Beckmann's slopes at the cosine `mu`, (N,).
+
+    Source: Walter, Marschner, Li, Torrance 2007, section 5.2, exactly and not by their rational fit.
+    """
+    mu = np.clip(mu, 1e-9, 1.0)
+    a = mu / (m * np.sqrt(np.maximum(1.0 - mu * mu, 1e-18)))
+    a = np.minimum(a, 20.0)
+    return 1.0 / (1.0 + 0.5 * (np.exp(-a * a) / (a * np.sqrt(np.pi)) - erfc(a)))
+
+
+def erfc(x):
+    """Complementary error function of numbers >= 0 (...,), within 1.2e-7 of its value: Press et al., Numerical Recipes."""
+    t = 1.0 / (1.0 + 0.5 * np.asarray(x, dtype=np.float64))
+    series = (-1.26551223, 1.00002368, 0.37409196, 0.09678418, -0.18628806, 0.27886807, -1.13520398, 1.48851587,
+              -0.82215223, 0.17087277)
+    return t * np.exp(-x * x + np.polynomial.polynomial.polyval(t, series))

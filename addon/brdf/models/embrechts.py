@@ -1,0 +1,35 @@
+"""Embrechts' model of lighting engineering."""
+import numpy as np
+
+from ..formula_model import FormulaModel, factor, lambert
+from ..geometry import half
+from ..microfacet import smith_beckmann
+from ..parameters import COLOUR, DIFFUSE, ESTIMATOR, SMOOTHNESS
+from ..registry import register
+from ..samplers import HalfBeckmann
+from .cook_torrance import with_cosine
+from .phong_variants import SAWICKI
+
+EMBRECHTS = "Embrechts, Etude et modélisation de la réflexion lumineuse, thesis, Université de Liège, 1995"
+
+
+def lobe(view, light, p):
+    """a_sc C exp(-s² tan²β) / (cosθ_L cosθ_V cos⁴β), (N,).
+
+    The attenuation C is taken as s²/(4 pi) times Smith's masking of Gaussian slopes in both directions, which depends on
+    the material's s, as the source says that it does without giving its form.
+    """
+    s = p["smoothness"]
+    z = np.maximum(half(view, light)[:, 2], 1e-9)
+    tan2 = 1.0 / (z * z) - 1.0
+    c = s * s / (4.0 * np.pi) * smith_beckmann(view[:, 2], 1.0 / s) * smith_beckmann(light[:, 2], 1.0 / s)
+    return p["scattering"] * c * np.exp(-s * s * tan2) / (view[:, 2] * light[:, 2] * z**4)
+
+
+register(FormulaModel(
+    id="embrechts", label="Embrechts",
+    description="Beckmann-like scattering with masking by the roughness itself, from lighting engineering",
+    parameters=SMOOTHNESS + COLOUR + DIFFUSE + ESTIMATOR, tables=(),
+    formula="a_sc F C exp(-s² tan²β) / (N·L N·V cos⁴β)", references=(EMBRECHTS, SAWICKI + ", eq. 7"),
+    lobe=lobe, sampler=lambda p: with_cosine(HalfBeckmann(1.0 / p["smoothness"], 1.0 / p["smoothness"]), p),
+    width=lambda p: 1.0 / p["smoothness"], shape="smoothness", colour=factor, diffuse=lambert))

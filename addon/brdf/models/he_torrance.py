@@ -1,0 +1,100 @@
+"""He, Torrance, Sillion and Greenberg's model by physical optics, for unpolarised light."""
+import numpy as np
+
+from .. import fresnel
+from ..formula_model import FormulaModel, factor, lambert
+from ..geometry import dot, half
+from ..microfacet import erfc
+from ..parameters import COLOUR, DIFFUSE, ESTIMATOR, SURFACE
+from ..registry import register
+from ..samplers import HalfBeckmann
+from .cook_torrance import with_cosine
+
+HE = "He, Torrance, Sillion, Greenberg, A comprehensive physical model for light reflection, SIGGRAPH 1991"
+
+
+def _cot(mu):
+    mu = np.clip(mu, 1e-6, 1.0)
+    return mu / np.sqrt(np.maximum(1.0 - mu * mu, 1e-12))
+
+
+def shadowing(mu, sigma, tau):
+    """S of one direction (eq. 24, 25), (N,)."""
+    a = np.minimum(_cot(mu) * tau / (2.0 * sigma), 25.0)
+    lambda_ = 0.5 * (np.exp(-a * a) / (np.sqrt(np.pi) * a) - erfc(a))
+    return (1.0 - 0.5 * erfc(a)) / (lambda_ + 1.0)
+
+
+def effective_roughness(mu_view, mu_light, sigma, tau):
+    """sigma of the illuminated parts of the surface (eq. 80 to 82), by Newton's steps for z_0, (N,).
+
+    z_0 exp(z_0² / (2 sigma_0²)) grows without bound, so there is one root and steps from its right reach it.
+    """
+    def k(mu):
+        a = _cot(mu)
+        return erfc(np.minimum(a * tau / (2.0 * sigma), 25.0)) / a
+
+    target = np.sqrt(2.0 / np.pi) * 0.25 * (k(mu_view) + k(mu_light))  # x exp(x²/2) with x = z_0 / sigma_0
+    x = np.minimum(target, np.sqrt(2.0 * np.log1p(target)) + 1e-12)
+    for _ in range(40):
+        # Newton on log x + x²/2 = log target: concave in log x, and quick.
+        wrong = np.log(np.maximum(x, 1e-300)) + 0.5 * x * x - np.log(np.maximum(target, 1e-300))
+        x = x * np.exp(-wrong / (1.0 + x * x))
+    return sigma / np.sqrt(1.0 + x * x)
+
+
+def _phase(mu_view, mu_light, p):
+    """g of eq. 79 (N,)."""
+    sigma = effective_roughness(mu_view, mu_light, p["sigma"], p["tau"])
+    return (2.0 * np.pi * sigma * (mu_view + mu_light) / p["wavelength"]) ** 2
+
+
+def _series(g, x):
+    """Sum over m >= 1 of g^m exp(-g - x/m) / (m! m), eq. 78, (N,)."""
+    total, log_term = np.zeros(g.shape), -g
+    log_g = np.log(np.maximum(g, 1e-300))
+    last = int(np.ceil(g.max(initial=0.0) + 8.0 * np.sqrt(g.max(initial=0.0)) + 12.0))
+    for m in range(1, last + 1):
+        log_term = log_term + log_g - np.log(m)
+        total += np.exp(log_term - x / m) / m
+    return total
+
+
+def lobe(view, light, p):
+    """The directional-diffuse part G S D / (pi cosθ_i cosθ_r) of eq. 77, (N,).
+
+    For unpolarised light G = (v·v / v_z)² |k_r × k_i|^-4 [..][..] (eq. 76) is (2 V·H / N·H)², as each bracket is
+    |k_r × k_i|².
+    """
+    h = half(view, light)
+    mu_v, mu_l, tau = view[:, 2], light[:, 2], p["tau"]
+    g = _phase(mu_v, mu_l, p)
+    across = view[:, :2] + light[:, :2]
+    x = (np.pi * tau / p["wavelength"]) ** 2 * dot(across, across)  # v_xy² tau² / 4
+    d = (0.5 * np.pi * tau / p["wavelength"]) ** 2 * _series(g, x)
+    geometry = (2.0 * dot(view, h) / np.maximum(h[:, 2], 1e-9)) ** 2
+    s = shadowing(mu_v, p["sigma"], tau) * shadowing(mu_l, p["sigma"], tau)
+    return geometry * s * d / (np.pi * mu_v * mu_l)
+
+
+def spike(mu, p):
+    """|F|² exp(-g) S of the mirror direction (eq. 72), (N, 3)."""
+    mu = np.maximum(mu, 1e-6)
+    strength = np.exp(-_phase(mu, mu, p)) * shadowing(mu, p["sigma"], p["tau"]) ** 2
+    colour = fresnel.factor(p["fresnel_type"], mu, p["base_color"], p["f90"], p["ior"], p["extinction"])
+    return strength[:, None] * colour
+
+
+def slope(p):
+    """Width of what is drawn from: of rough surfaces 2 sigma/tau, of smooth ones the diffraction's wavelength/tau."""
+    g = min((4.0 * np.pi * p["sigma"] / p["wavelength"]) ** 2, 1e6)
+    return float(np.clip(p["wavelength"] / (np.pi * p["tau"]) * np.sqrt(max(g, 1.0)), 0.01, 1.0))
+
+
+register(FormulaModel(
+    id="he_torrance", label="He-Torrance",
+    description="Physical optics of a rough surface: a mirror spike, and scattering by diffraction and slopes",
+    parameters=SURFACE + COLOUR + DIFFUSE + ESTIMATOR, tables=(),
+    formula="|F|² [exp(-g) S δ + G S D / (π N·L N·V)] + a/π, D a series", references=(HE + ", eq. 71 to 82",),
+    lobe=lobe, sampler=lambda p: with_cosine(HalfBeckmann(slope(p), slope(p)), p), width=slope, shape="sigma",
+    colour=factor, diffuse=lambert, spike=spike))

@@ -1,0 +1,37 @@
+"""Kajiya and Kay's strands, with the surface's own shadow."""
+import numpy as np
+
+from ..formula_model import FormulaModel, constant
+from ..parameters import DIFFUSE, ESTIMATOR, EXPONENT, NORMALIZE, SPECULAR, TANGENT
+from ..registry import register
+from ..samplers import Cosine
+from .cook_torrance import RTR
+
+KAJIYA = "Kajiya, Kay, Rendering fur with three dimensional textures, SIGGRAPH 1989"
+
+
+def _sines(view, light):
+    """Sines of the angles of V and L to the strand, x; (N,) each."""
+    return np.sqrt(np.maximum(1.0 - view[:, 0] ** 2, 0.0)), np.sqrt(np.maximum(1.0 - light[:, 0] ** 2, 0.0))
+
+
+def lobe(view, light, p):
+    """cos^m α_r of eq. 7.50, (m+2)/(2 pi) of it where normalised, lit by the strand's cosine and not the surface's."""
+    sine_v, sine_l = _sines(view, light)
+    cosine = np.maximum(sine_v * sine_l - view[:, 0] * light[:, 0], 0.0)
+    m = p["exponent"]
+    scale = (m + 2.0) / (2.0 * np.pi) if p["normalize"] else 1.0
+    return scale * cosine**m * sine_l / light[:, 2]
+
+
+def diffuse(view, light, p):
+    return _sines(view, light)[1] / (np.pi * light[:, 2])
+
+
+register(FormulaModel(
+    id="kajiya_kay", label="Kajiya-Kay",
+    description="Strands along the tangent: bright cones of light, dark where the surface turns away; not reciprocal",
+    parameters=EXPONENT + NORMALIZE + SPECULAR + DIFFUSE + TANGENT + ESTIMATOR, tables=(),
+    formula="(c_diff/π + c_spec (m+2)/(2π) cos^m α_r) cosθ'_i / N·L", references=(KAJIYA, RTR + ", eq. 7.50"),
+    lobe=lobe, sampler=lambda p: Cosine(), width=lambda p: np.sqrt(0.5 / p["exponent"]), shape="exponent",
+    colour=constant, diffuse=diffuse, symmetric=False, anisotropic=True))

@@ -1,0 +1,94 @@
+"""Any symmetric formula pumped up by its own albedo.
+
+Pumping needs of f_0 nothing but symmetry (see pumping.py), so one mechanism serves all. The albedos of its stages are
+integrated for the parameters at hand and kept.
+"""
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from . import pumping, quadrature
+from .formula_model import FormulaModel
+from .geometry import view_at
+from .parameters import PUMPING
+
+_FLATTEST = 1e-4  # cosine: below, albedos are those there
+_NODES = 160
+# Of anisotropic models the round ones: an albedo that depends on the azimuth would be no function of N·V.
+_ROUND = {"roughness_v": "roughness_u", "exponent_v": "exponent_u"}
+
+
+def _round(parameters):
+    kept = [q for q in parameters if q.id not in _ROUND and q.id not in ("tangent", "diffuse_color")]
+    return tuple(replace(q, label=q.label.removesuffix(" U"), help=q.help.replace(" along the tangent", ""))
+                 for q in kept)
+
+
+@dataclass(frozen=True)
+class PumpedModel(FormulaModel):
+    """f_0 / D, f_0 the `base` model's lobe without colour, times the base's colour."""
+
+    base: FormulaModel = None
+
+    def resolve(self, given: dict) -> dict:
+        """All parameters checked and completed with defaults."""
+        values = super().resolve(given)
+        for across, along in _ROUND.items():
+            if along in values:
+                values[across] = values[along]
+        return values
+
+
+def pumped(base: FormulaModel) -> PumpedModel:
+    """The model `pumped_<id>` of a symmetric model. Raises ValueError for one that is not symmetric."""
+    if not base.symmetric:
+        raise ValueError(f"{base.id} is not symmetric, and only symmetric functions can be pumped up")
+    shape = _round(base.parameters)
+    estimator = tuple(q for q in shape if not q.evaluated)
+    parameters = tuple(q for q in shape if q.evaluated) + PUMPING + estimator
+    return PumpedModel(
+        id=f"pumped_{base.id}", label=f"Pumped {base.label}", description=f"{base.label} divided by its own albedo: "
+        "energy-conserving, and bright to grazing angles", parameters=parameters, tables=(),
+        formula=f"[{base.formula}] / D", references=(*base.references, f"{pumping.NEUMANN}, eq. 16, 20, 21"),
+        lobe=lambda view, light, p: base.lobe(view, light, p) / _correction(base, view, light, p),
+        sampler=lambda p: base.sampler({**p, "diffuse_color": (0.0, 0.0, 0.0)}), width=base.width, shape=base.shape,
+        colour=base.colour, base=base)
+
+
+def _correction(base, view, light, p):
+    if p["pumps"] == 0.0:
+        return np.ones(len(view))
+    stages = int(np.ceil(p["pumps"]))
+    at_view, at_light = (albedos(base, mu, p)[..., :stages] for mu in (view[:, 2], light[:, 2]))
+    return pumping.correction(at_view, at_light, view[:, 2], light[:, 2], p["pumps"], p["control"])
+
+
+def albedos(base, mu, p):
+    """Albedos a_0 .. a_3 of the pumping of a model's lobe at N·V = `mu` (N,): (N, 4), within 1e-3 of themselves."""
+    key = tuple((q.id, p[q.id]) for q in base.parameters if q.id in p and q.evaluated and q.kind in ("float", "bool"))
+    nodes, rows = _chain(base, key, bool(p["control"]), int(np.ceil(p["pumps"])))
+    x = np.log(np.clip(mu, _FLATTEST, 1.0))
+    return np.exp(np.stack([np.interp(x, nodes, row) for row in rows], axis=-1))
+
+
+@lru_cache(maxsize=64)
+def _chain(base, key, control, stages):
+    """Logarithms of cosines (nodes,) and of albedos (stages, nodes)."""
+    p = dict(key)
+    nodes = np.unique(np.concatenate([np.log(np.cos(np.linspace(0.0, 0.5 * np.pi, _NODES - 40, endpoint=False))),
+                                      np.linspace(np.log(_FLATTEST), np.log(0.03), 40)]))
+    nodes = nodes[nodes >= np.log(_FLATTEST) - 1e-12]
+    mu = np.exp(nodes)
+    rows = []
+    for _ in range(stages):
+        def stage(view, light, done=len(rows)):
+            value = base.lobe(view, light, p)
+            if not done:
+                return value
+            at_view, at_light = (np.exp(np.stack([np.interp(np.log(np.clip(m, _FLATTEST, 1.0)), nodes, row)
+                                                  for row in rows], axis=-1)) for m in (view[:, 2], light[:, 2]))
+            return value / pumping.correction(at_view, at_light, view[:, 2], light[:, 2], float(done), control)
+
+        rows.append(np.log([quadrature.hemisphere(stage, view, base.width(p)) for view in view_at(mu)]))
+    return nodes, np.array(rows)

@@ -1,0 +1,105 @@
+// Rendering by rows of baked weights: see addon/baking/weights.py, which lays them out.
+//
+// A row is what a view sees: base closures, and cells of half vectors that hold what those leave over.
+
+#define W_FACET 7
+#define W_BASE (1 + W_FACET * W_FACETS)  // first the share that is left over, then microfacets, then
+#define W_CELLS (W_BASE + 3)             // the diffuse closure's colour, edges of rings, edges of cells, energies,
+#define W_TURNS (W_CELLS + W_RINGS + 1)
+#define W_ENERGY (W_TURNS + W_RINGS * (W_AROUND + 1))
+#define W_SPIKE (W_ENERGY + W_RINGS * W_AROUND * W_CHANNELS)  // and the colour of a perfect mirror
+#define W_ROW (W_SPIKE + 3)
+
+#define NARROWEST 5e-4    // slope: Cycles takes narrower facets for mirrors
+#define SPLAT 0.5         // width of a splat's facet, of its cell's size
+#define MUCH_LEFT 0.1     // of the light: where all samples per hit are drawn
+#define LITTLE_LEFT 0.02  // of the light: with less, splats are drawn at fewer hits, and are heavier
+
+// The row of a view, one of the two beside it by the number `chance`.
+int weights_row(float mu, float chance)
+{
+    float along = clamp(acos(clamp(mu, 0.0, 1.0)) / W_STEEPEST, 0.0, 1.0);
+    float at = (W_VIEWS - 1) * (1.0 - pow(1.0 - along, 1.0 / W_CROWDED));
+    int row = min((int)at, W_VIEWS - 2);
+    return W_ROW * (chance < at - row ? row + 1 : row);
+}
+
+color weights_colour(float w[], int at)
+{
+    return W_CHANNELS == 3 ? color(w[at], w[at + 1], w[at + 2]) : color(w[at]);
+}
+
+closure color weights_facet(Frame f, vector slopes, float alpha_x, float alpha_y, vector along, color weight)
+{
+    vector facet = normalize(slopes);
+    vector across = normalize(cross(facet, along));
+    return weight * microfacet("beckmann", normalize(to_world(f, facet)), normalize(to_world(f, cross(across, facet))),
+                               alpha_x, alpha_y, 0.0, 0);
+}
+
+closure color weights_base(Frame f, float w[], int row)
+{
+    closure color sum = 0;
+    for (int i = 0; i < W_FACETS; i += 1) {
+        int at = row + 1 + W_FACET * i;
+        color weight = color(w[at + 4], w[at + 5], w[at + 6]);
+        if (max(weight[0], max(weight[1], weight[2])) > 1e-5) {
+            vector x = vector(1.0, 0.0, 0.0);
+            sum = weights_facet(f, vector(w[at], w[at + 1], 1.0), w[at + 2], w[at + 3], x, weight) + sum;
+            if (w[at + 1] != 0.0)
+                sum = weights_facet(f, vector(w[at], -w[at + 1], 1.0), w[at + 2], w[at + 3], x, weight) + sum;
+        }
+    }
+    color flat = color(w[row + W_BASE], w[row + W_BASE + 1], w[row + W_BASE + 2]);
+    if (max(flat[0], max(flat[1], flat[2])) > 1e-5)
+        sum = flat * diffuse(f.z) + sum;
+    color mirror = color(w[row + W_SPIKE], w[row + W_SPIKE + 1], w[row + W_SPIKE + 2]);
+    if (max(mirror[0], max(mirror[1], mirror[2])) > 1e-5)
+        sum = mirror * reflection(f.z) + sum;
+    return sum;
+}
+
+// One splat, in the cell that the numbers u, v in 0..1 choose, at the place in it that their rests do.
+closure color weights_splat(Frame f, float w[], int row, float u, float v, color share, float spread, vector up)
+{
+    float side = v < 0.5 ? 1.0 : -1.0;
+    float ring = W_RINGS * u;
+    float turn = W_AROUND * mod(2.0 * v, 1.0);
+    int i = min((int)ring, W_RINGS - 1);
+    int j = min((int)turn, W_AROUND - 1);
+    int edge = row + W_TURNS + (W_AROUND + 1) * i + j;
+    float low = w[row + W_CELLS + i];
+    float high = w[row + W_CELLS + i + 1];
+    float s = sqrt(mix(low * low, high * high, ring - i));
+    float phi = side * mix(w[edge], w[edge + 1], turn - j);
+    vector h = vector(s * cos(phi), s * sin(phi), sqrt(max(1.0 - s * s, 0.0)));
+    vector light = 2.0 * dot(f.view, h) * h - f.view;
+    float height = min(light[2], dot(light, up));
+    closure color splat = 0;
+    if (height > 0.0) {
+        color weight = share * weights_colour(w, row + W_ENERGY + W_CHANNELS * (W_AROUND * i + j));
+        // Lights move twice as fast as half vectors: little of a splat may reach below the horizon.
+        float most = max(0.25 * height, NARROWEST);
+        float radial = clamp(spread * SPLAT * (high - low) / max(h[2], 0.1), NARROWEST, most);
+        float round = clamp(spread * SPLAT * s * (w[edge + 1] - w[edge]), NARROWEST, most);
+        vector outward = vector(cos(phi) * h[2], sin(phi) * h[2], -s);
+        splat = weights_facet(f, h, radial, round, outward, weight);
+    }
+    return splat;
+}
+
+closure color weights_estimate(Frame f, float w[], vector numbers, int samples, float spread, vector up)
+{
+    int row = weights_row(f.view[2], numbers[2]);
+    float left = w[row];
+    int count = clamp((int)ceil(samples * left / MUCH_LEFT), 1, samples);
+    float chance = clamp(left / LITTLE_LEFT, 0.05, 1.0);
+    closure color sum = 0;
+    if (left > 1e-5 && numbers[1] < chance) {
+        vector drawn = vector(numbers[0], numbers[1] / chance, 0.0);
+        color share = 1.0 / (count * chance);
+        for (int k = 0; k < count; k += 1)
+            sum = weights_splat(f, w, row, lattice_u(drawn, k, count), lattice_v(drawn, k), share, spread, up) + sum;
+    }
+    return weights_base(f, w, row) + sum;
+}
