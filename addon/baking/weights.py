@@ -18,31 +18,36 @@ import numpy as np
 
 from ..brdf.geometry import view_at
 
-VIEWS = 36  # rows
+VIEWS = 48  # rows
 STEEPEST = np.radians(89.5)  # view of the last row
 CROWDED = 1.5  # how much denser rows are towards grazing
-RINGS, TURNS = 80, 48  # where the formula is looked at: over sin(theta_h), and over half a turn of azimuth
-CELL_RINGS, CELL_TURNS = 12, 16
-FACETS = 8  # base microfacets of a row; those off the plane of incidence come in pairs
+RINGS, TURNS = 72, 40  # where the formula is looked at: over sin(theta_h), and over half a turn of azimuth
+CELL_RINGS, CELL_TURNS = 20, 24
+SPIKES = 8  # mirror colours from one row to the next: they change faster than lobes
+FACETS = 12  # base microfacets of a row; those off the plane of incidence come in pairs
 FACET = 7  # numbers of each: its slopes along x and y, its widths along x and y, its colour
 OVER = 6.0  # what more it counts to be above the formula than below it
-STEPS, SWEEPS = 14, 40  # of reweighting, and of coordinate descent in each
-EVEN = 0.25  # share of rings that are evenly spaced, the others have equal energy
+STEPS, COARSE, SWEEPS = 14, 6, 40  # of reweighting, the same to choose by, and of coordinate descent in each
+UNSEEN = 0.3  # share left of a direction's light above which more candidates are sought
+EVEN = 0.35  # share of rings that are spaced without regard to energy
 
 # Candidates for the base, in units of the spread of the formula's half vectors: width; and places of their middles.
 WIDTHS = (0.35, 0.6, 0.85, 1.2, 1.7, 2.6)
 PLACES = ((0.0, 0.0), (-1.0, 0.0), (1.0, 0.0), (-2.0, 0.0), (2.0, 0.0), (0.0, 1.2), (-1.0, 1.2), (1.0, 1.2))
 WIDEST_PAIR = 1.3
+BROAD = (((0.0, 0.0), (1.0, 1.0)), ((-0.5, 0.0), (1.0, 1.0)), ((0.5, 0.0), (1.0, 1.0)), ((0.0, 0.0), (0.5, 0.5)))
 
 
 @dataclass(frozen=True)
 class Weights:
     """`rows` (VIEWS, numbers), laid out as osl/include/weights.h reads it, with `channels` (1 or 3) of energy per cell.
 
-    `left` (VIEWS,) is the share of the light that is left over to splats.
+    `spikes` (angles, 3), empty without a spike, are the colours of the perfect mirror at the rows' angles and between
+    them. `left` (VIEWS,) is the share of the light that is left over to splats.
     """
 
     rows: np.ndarray
+    spikes: np.ndarray
     channels: int
     left: np.ndarray
 
@@ -67,10 +72,12 @@ def _weights(model, key):
     looks = [Look.at(model, p, view) for view in view_at(np.cos(view_angles()))]
     share = _fitted(looks)
     rows = [_row(look, weight) for look, weight in zip(looks, share, strict=True)]
-    spikes = model.spike(np.cos(view_angles()), p) if model.spike else np.zeros((VIEWS, 3))
-    channels = looks[0].density.shape[-1]
-    numbers = np.array([np.concatenate([row, spike]) for (row, _), spike in zip(rows, spikes, strict=True)])
-    return Weights(numbers, channels, np.array([left for _, left in rows]))
+    spikes = np.zeros((0, 3))
+    if model.spike:
+        between = np.interp(np.arange((VIEWS - 1) * SPIKES + 1) / SPIKES, np.arange(VIEWS), view_angles())
+        spikes = model.spike(np.cos(between), p)
+    return Weights(np.array([row for row, _ in rows]), spikes, looks[0].density.shape[-1],
+                   np.array([left for _, left in rows]))
 
 
 @dataclass(frozen=True)
@@ -78,7 +85,8 @@ class Look:
     """A formula seen from one view, on a polar grid of half vectors on the side y >= 0.
 
     `s` (RINGS + 1,) are the rings' edges over sin(theta_h); `light`, `half` (RINGS, TURNS, 3), `area` (RINGS, TURNS) the
-    solid angle of half vectors, both sides together. `density` (RINGS, TURNS, channels) is f (N·L) dω_L / dω_H.
+    solid angle of half vectors, both sides together. `density` (RINGS, TURNS, channels) is f (N·L) dω_L / dω_H. `amiss`
+    (channels,) is the albedo over its sum on the grid, 1 within some thousandths.
     """
 
     view: np.ndarray
@@ -88,20 +96,19 @@ class Look:
     lit: np.ndarray
     area: np.ndarray
     density: np.ndarray
+    amiss: np.ndarray
 
     @classmethod
     def at(cls, model, p, view):
         coarse = np.unique(np.concatenate([[0.0], np.geomspace(0.01 * model.width(p), 1.0, 160), np.linspace(0, 1, 80)]))
-        s = _quantiles(coarse, *cls._ring_energies(model, p, view, coarse))
+        s = _quantiles(coarse, *cls._ring_energies(model, p, view, coarse), model.width(p))
         light, half, lit, area = _grid(view, s, TURNS)
         density = _density(model, p, view, light, half, lit)
         energy = np.einsum("rt,rtc->c", area, density)
         true = np.atleast_1d(model.albedo([view[2]], **_given(model, p)).reshape(-1))
         if model.spike:
-            true = true - model.spike(np.array([view[2]]), p)[0]
-        # The grid's own error, of a few thousandths: a furnace shows the albedo.
-        density = density * (true / np.maximum(energy, 1e-12))
-        return cls(view, s, light, half, lit, area, density)
+            true = (true - model.spike(np.array([view[2]]), p)[0])[: len(energy)]
+        return cls(view, s, light, half, lit, area, density, true / np.maximum(energy, 1e-12))
 
     @staticmethod
     def _ring_energies(model, p, view, s):
@@ -114,12 +121,13 @@ def _given(model, p):
     return {q.id: p[q.id] for q in model.parameters if q.evaluated}
 
 
-def _quantiles(edges, energy, last):
-    """RINGS + 1 edges, most of them at equal energies."""
+def _quantiles(edges, energy, last, width):
+    """RINGS + 1 edges, most of them at equal energies, the others evenly over the logarithm of their distance."""
     done = np.concatenate([[0.0], np.cumsum(energy)])
     if not done[-1] > 0.0:
         return np.linspace(0.0, last, RINGS + 1)
-    mixed = (1.0 - EVEN) * done / done[-1] + EVEN * np.minimum(edges / last, 1.0)
+    apart = np.log1p(np.minimum(edges, last) / width) / np.log1p(last / width)
+    mixed = (1.0 - EVEN) * done / done[-1] + EVEN * apart
     kept = edges <= last * (1.0 + 1e-12)
     return np.interp(np.linspace(0.0, 1.0, RINGS + 1), mixed[kept] / mixed[kept][-1], edges[kept])
 
@@ -178,9 +186,11 @@ def _lambda(direction, widths):
     return np.where(slope2 < 0.39, 0.0, ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a))
 
 
-def _candidates(look):
-    """[(slopes, widths)] of microfacets that may be of use, by the spread of the formula's half vectors."""
-    energy = (look.density.mean(axis=-1) * look.area).ravel()
+def _candidates(look, density):
+    """[(slopes, widths)] of microfacets that may be of use for a `density` (RINGS, TURNS), by its spread."""
+    energy = (density * look.area).ravel()
+    if not energy.any():
+        return []
 
     def quantiles(slope, shares):
         order = np.argsort(slope.ravel())
@@ -212,24 +222,53 @@ def _shown(look, candidates):
     return np.array(found)
 
 
-def _fitted(looks):
-    """[(candidates, their densities, weights)] of each look, with no more than FACETS microfacets that weigh anything."""
-    candidates = [_candidates(look) for look in looks]
+def _bases(looks, candidates):
+    """Densities of each look's candidates, and the same of all looks, (views, candidates + 1, nodes)."""
+    most = max(len(c) for c in candidates)
     shown = [_shown(look, c) for look, c in zip(looks, candidates, strict=True)]
-    target = np.array([look.density.mean(axis=-1).ravel() for look in looks])
-    area = np.array([look.area.ravel() for look in looks])
-    basis = np.array([s.reshape(len(s), -1) for s in shown])
-    weight = _from_below(basis, target, area)
-    # The few that carry most, and once more for these alone.
-    energy = weight * np.einsum("vjn,vn->vj", basis, area)
+    shown = [np.concatenate([np.zeros((most + 1 - len(s), *s.shape[1:])), s]) for s in shown]
+    return shown, np.array([s.reshape(len(s), -1) for s in shown], dtype=np.float32)
+
+
+def _fitted(looks):
+    """[(candidates, their densities, colours)] of each look's base: FACETS microfacets and a diffuse closure."""
+    gray = [look.density.mean(axis=-1) for look in looks]
+    channels = looks[0].density.shape[-1]
+    target = np.array([g.ravel() for g in gray], dtype=np.float32)
+    area = np.array([look.area.ravel() for look in looks], dtype=np.float32)
+    candidates = [[*_candidates(look, g), *BROAD] for look, g in zip(looks, gray, strict=True)]
+    shown, basis = _bases(looks, candidates)
+    weight = _from_below(basis, target, area, COARSE)
+    # A lobe that these do not see at all, such as one that reflects back, gets candidates of its own.
+    left = target - np.einsum("vj,vjn->vn", weight, basis)
+    unseen = np.where(left > UNSEEN * target, left, 0.0)
+    if (unseen * area).sum() > 0.01 * (target * area).sum():
+        more = [_candidates(look, u.reshape(g.shape)) for look, u, g in zip(looks, unseen, gray, strict=True)]
+        candidates = [c + m for c, m in zip(candidates, more, strict=True)]
+        shown, basis = _bases(looks, candidates)
+        weight = _from_below(basis, target, area, COARSE)
+    # The few that carry most, and once more for these alone, for each channel.
+    colour = np.array([look.density.reshape(-1, channels) for look in looks], dtype=np.float32)
+    carried = np.einsum("vjn,vn->vj", basis, area)
+    energy = weight * carried
+    if channels > 1:
+        whole = np.maximum(np.einsum("vnc,vn->vc", colour, area), 1e-12)
+        energy = sum(_from_below(basis, colour[..., c], area, COARSE) * carried / whole[:, c, None]
+                     for c in range(channels))
     energy[:, -1] = np.inf
     kept = np.argsort(-energy, axis=1)[:, : FACETS + 1]
-    fewer = _from_below(np.take_along_axis(basis, kept[..., None], axis=1), target, area)
-    return [([candidates[i][j] if j < len(candidates[i]) else None for j in kept[i]], shown[i][kept[i]], fewer[i])
-            for i in range(len(looks))]
+    few = np.take_along_axis(basis, kept[..., None], axis=1)
+    fewer = np.stack([_from_below(few, colour[..., c], area) for c in range(channels)], axis=-1)
+    most = basis.shape[1] - 1
+
+    def named(i, j):
+        # What was put before the candidates of a look that has few weighs nothing.
+        return None if j == most else candidates[i][max(j - most, -len(candidates[i]))]
+
+    return [([named(i, j) for j in kept[i]], shown[i][kept[i]], fewer[i]) for i in range(len(looks))]
 
 
-def _from_below(basis, target, area):
+def _from_below(basis, target, area, steps=STEPS):
     """Weights >= 0, (views, candidates), of the sum of `basis` (views, candidates, nodes) that leaves least of `target`.
 
     Least is the integral of |target - sum|, OVER times it where the sum is above: by reweighted least squares.
@@ -238,17 +277,17 @@ def _from_below(basis, target, area):
     weight = np.zeros((views, count))
     small = 5e-4 * target.max(axis=1, keepdims=True) + 0.01 * target
     importance = area / np.maximum(target, 1e-3 * target.max(axis=1, keepdims=True))
-    for _ in range(STEPS):
-        gram = np.einsum("vjn,vkn->vjk", basis * importance[:, None], basis, optimize=True)
-        right = np.einsum("vjn,vn->vj", basis, importance * target)
+    for _ in range(steps):
+        gram = ((basis * importance[:, None]) @ basis.transpose(0, 2, 1)).astype(np.float64)
+        right = (basis @ (importance * target)[..., None])[..., 0].astype(np.float64)
         diagonal = np.einsum("vjj->vj", gram)
         diagonal = np.where(diagonal > 0.0, diagonal, 1.0)
         for _ in range(SWEEPS):
             for j in range(count):
                 step = (right[:, j] - np.einsum("vk,vk->v", gram[:, j], weight)) / diagonal[:, j]
                 weight[:, j] = np.maximum(weight[:, j] + step, 0.0)
-        left = target - np.einsum("vj,vjn->vn", weight, basis)
-        importance = area * np.where(left < 0.0, OVER, 1.0) / np.maximum(np.abs(left), small)
+        left = target - (weight.astype(np.float32)[:, None] @ basis)[:, 0]
+        importance = area * np.where(left < 0.0, np.float32(OVER), np.float32(1.0)) / np.maximum(np.abs(left), small)
     return weight
 
 
@@ -256,18 +295,12 @@ def _from_below(basis, target, area):
 
 
 def _row(look, fitted):
-    """Numbers of one row, without its spike, and the share that is left over."""
-    candidates, shown, weight = fitted
-    channels = look.density.shape[-1]
-    # Each closure has the colour that the formula has where it shines.
-    gray = look.density.mean(axis=-1)
-    seen = np.einsum("jrt,rt,rtc->jc", shown, look.area, look.density)
-    colour = seen / np.maximum(np.einsum("jrt,rt,rt->j", shown, look.area, gray), 1e-12)[:, None]
-    colours = weight[:, None] * colour
+    """Numbers of one row, and the share that is left over."""
+    candidates, shown, colours = fitted
     base = np.einsum("jc,jrt->rtc", colours, shown)
     left, over = np.maximum(look.density - base, 0.0), np.maximum(base - look.density, 0.0)
     owed = np.einsum("rt,rtc->c", look.area, over) / np.maximum(np.einsum("rt,rtc->c", look.area, base), 1e-12)
-    colours = np.broadcast_to(colours * (1.0 - np.minimum(owed, 1.0)), (len(colours), channels))
+    colours = colours * (1.0 - np.minimum(owed, 1.0))
     facets = np.zeros((FACETS, FACET))
     diffuse = np.zeros(3)
     at = 0
@@ -277,6 +310,8 @@ def _row(look, fitted):
         else:
             facets[at] = [*candidate[0], *candidate[1], *np.broadcast_to(rgb, 3)]
             at += 1
+    # What the grid misses of the formula it misses of the base as well, whose energy Cycles knows.
+    left = left * look.amiss
     cells = _cells(look, left)
     energy = np.einsum("rt,rtc->c", look.area, left).max()
     whole = np.einsum("rt,rtc->c", look.area, look.density).max()

@@ -86,11 +86,11 @@ def _weights(model, given):
     matches = [_matches(q, p[q.id]) for q in model.parameters if q.evaluated]
     numbers = {"VIEWS": weights.VIEWS, "STEEPEST": weights.STEEPEST, "CROWDED": weights.CROWDED,
                "FACETS": weights.FACETS, "RINGS": weights.CELL_RINGS, "AROUND": weights.CELL_TURNS,
-               "CHANNELS": baked.channels}
+               "CHANNELS": baked.channels, "SPIKES": weights.SPIKES if len(baked.spikes) else 0}
     lines = [f"#define W_{name} {value}" for name, value in numbers.items()]
     lines += [f"#define MODEL {model.id}", f'#define MODEL_LABEL "{model.label}"',
               "#define MODEL_PARAMETERS " + ", ".join(inputs), "#define MODEL_MATCHES " + " && ".join(matches),
-              "#define DATA_PARAMETERS " + _array("weights", baked.rows.ravel())]
+              "#define DATA_PARAMETERS " + _array("weights", np.concatenate([baked.rows.ravel(), baked.spikes.ravel()]))]
     return "\n".join(lines) + "\n"
 
 

@@ -4,24 +4,29 @@
 
 #define W_FACET 7
 #define W_BASE (1 + W_FACET * W_FACETS)  // first the share that is left over, then microfacets, then
-#define W_CELLS (W_BASE + 3)             // the diffuse closure's colour, edges of rings, edges of cells, energies,
+#define W_CELLS (W_BASE + 3)             // the diffuse closure's colour, edges of rings, edges of cells, energies
 #define W_TURNS (W_CELLS + W_RINGS + 1)
 #define W_ENERGY (W_TURNS + W_RINGS * (W_AROUND + 1))
-#define W_SPIKE (W_ENERGY + W_RINGS * W_AROUND * W_CHANNELS)  // and the colour of a perfect mirror
-#define W_ROW (W_SPIKE + 3)
+#define W_ROW (W_ENERGY + W_RINGS * W_AROUND * W_CHANNELS)
+#define W_SPIKE (W_VIEWS * W_ROW)  // after all rows, the colour of a perfect mirror, at W_SPIKES angles from row to row
 
 #define NARROWEST 5e-4    // slope: Cycles takes narrower facets for mirrors
-#define SPLAT 0.5         // width of a splat's facet, of its cell's size
-#define MUCH_LEFT 0.1     // of the light: where all samples per hit are drawn
+#define SPLAT 1.2         // width of a splat's facet, of its cell's size
+#define MUCH_LEFT 0.05    // of the light: where all samples per hit are drawn
 #define LITTLE_LEFT 0.02  // of the light: with less, splats are drawn at fewer hits, and are heavier
 
-// The row of a view, one of the two beside it by the number `chance`.
-int weights_row(float mu, float chance)
+// Where a view is among the rows, 0 to W_VIEWS - 1.
+float weights_place(float mu)
 {
     float along = clamp(acos(clamp(mu, 0.0, 1.0)) / W_STEEPEST, 0.0, 1.0);
-    float at = (W_VIEWS - 1) * (1.0 - pow(1.0 - along, 1.0 / W_CROWDED));
-    int row = min((int)at, W_VIEWS - 2);
-    return W_ROW * (chance < at - row ? row + 1 : row);
+    return (W_VIEWS - 1) * (1.0 - pow(1.0 - along, 1.0 / W_CROWDED));
+}
+
+// One of the two rows beside a place, by the number `chance`.
+int weights_row(float place, float chance)
+{
+    int row = min((int)place, W_VIEWS - 2);
+    return W_ROW * (chance < place - row ? row + 1 : row);
 }
 
 color weights_colour(float w[], int at)
@@ -53,10 +58,20 @@ closure color weights_base(Frame f, float w[], int row)
     color flat = color(w[row + W_BASE], w[row + W_BASE + 1], w[row + W_BASE + 2]);
     if (max(flat[0], max(flat[1], flat[2])) > 1e-5)
         sum = flat * diffuse(f.z) + sum;
-    color mirror = color(w[row + W_SPIKE], w[row + W_SPIKE + 1], w[row + W_SPIKE + 2]);
-    if (max(mirror[0], max(mirror[1], mirror[2])) > 1e-5)
-        sum = mirror * reflection(f.z) + sum;
     return sum;
+}
+
+closure color weights_spike(Frame f, float w[], float place)
+{
+    closure color spike = 0;
+    if (W_SPIKES > 0) {
+        float along = W_SPIKES * place;
+        int i = min((int)along, W_SPIKES * (W_VIEWS - 1) - 1);
+        int at = W_SPIKE + 3 * i;
+        spike = mix(color(w[at], w[at + 1], w[at + 2]), color(w[at + 3], w[at + 4], w[at + 5]), along - i)
+              * reflection(f.z);
+    }
+    return spike;
 }
 
 // One splat, in the cell that the numbers u, v in 0..1 choose, at the place in it that their rests do.
@@ -90,11 +105,12 @@ closure color weights_splat(Frame f, float w[], int row, float u, float v, color
 
 closure color weights_estimate(Frame f, float w[], vector numbers, int samples, float spread, vector up)
 {
-    int row = weights_row(f.view[2], numbers[2]);
+    float place = weights_place(f.view[2]);
+    int row = weights_row(place, numbers[2]);
     float left = w[row];
     int count = clamp((int)ceil(samples * left / MUCH_LEFT), 1, samples);
     float chance = clamp(left / LITTLE_LEFT, 0.05, 1.0);
-    closure color sum = 0;
+    closure color sum = weights_spike(f, w, place);
     if (left > 1e-5 && numbers[1] < chance) {
         vector drawn = vector(numbers[0], numbers[1] / chance, 0.0);
         color share = 1.0 / (count * chance);
