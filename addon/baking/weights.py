@@ -11,18 +11,14 @@ Between two rows the shader takes either by chance, in proportion to how near it
 interpolation gives. osl/include/weights.h reads the rows. Where the base is above the formula nothing can take light
 away; as much is taken from the whole base, so that no row makes light.
 """
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
-from ..brdf.geometry import view_at
-
-VIEWS = 48  # rows
 STEEPEST = np.radians(89.5)  # view of the last row
 CROWDED = 1.5  # how much denser rows are towards grazing
-RINGS, TURNS = 72, 40  # where the formula is looked at: over sin(theta_h), and over half a turn of azimuth
-CELL_RINGS, CELL_TURNS = 20, 24
+RINGS = 72  # of half vectors where the formula is looked at, over sin(theta_h)
 SPIKES = 8  # mirror colours from one row to the next: they change faster than lobes
 FACETS = 12  # base microfacets of a row; those off the plane of incidence come in pairs
 FACET = 7  # numbers of each: its slopes along x and y, its widths along x and y, its colour
@@ -35,30 +31,64 @@ EVEN = 0.35  # share of rings that are spaced without regard to energy
 WIDTHS = (0.35, 0.6, 0.85, 1.2, 1.7, 2.6)
 PLACES = ((0.0, 0.0), (-1.0, 0.0), (1.0, 0.0), (-2.0, 0.0), (2.0, 0.0), (0.0, 1.2), (-1.0, 1.2), (1.0, 1.2))
 WIDEST_PAIR = 1.3
+STRETCHED_PLACES = tuple((x, y) for x in (-1.0, 0.0, 1.0) for y in (-1.0, 0.0, 1.0)) + (
+    (-2.0, 0.0), (2.0, 0.0), (0.0, -2.0), (0.0, 2.0))
 BROAD = (((0.0, 0.0), (1.0, 1.0)), ((-0.5, 0.0), (1.0, 1.0)), ((0.5, 0.0), (1.0, 1.0)), ((0.0, 0.0), (0.5, 0.5)))
 
 
 @dataclass(frozen=True)
-class Weights:
-    """`rows` (VIEWS, numbers), laid out as osl/include/weights.h reads it, with `channels` (1 or 3) of energy per cell.
+class Layout:
+    """Rows for `views` angles from the normal at each of `azimuths` from the tangent, 0 to 90 degrees.
 
-    `spikes` (angles, 3), empty without a spike, are the colours of the perfect mirror at the rows' angles and between
-    them. `left` (VIEWS,) is the share of the light that is left over to splats.
+    With one azimuth the formula is round about the normal: half vectors on one side of the plane of incidence tell all.
+    It is looked at in `turns` directions around, and cut into `cell_rings` times `cell_turns` cells. Rings are ellipses
+    of half vectors with the half axes s times `stretch`, s being their size.
     """
 
+    views: int
+    azimuths: int
+    turns: int
+    cell_rings: int
+    cell_turns: int
+    stretch: tuple = (1.0, 1.0)
+
+    @property
+    def around(self) -> float:
+        """Azimuths of half vectors that are looked at, in radians."""
+        return np.pi if self.azimuths == 1 else 2.0 * np.pi
+
+    def view_angles(self):
+        """Angles of the rows of one azimuth in radians, (views,)."""
+        return STEEPEST * (1.0 - (1.0 - np.arange(self.views) / (self.views - 1)) ** CROWDED)
+
+    def seen_from(self):
+        """The rows' views, (azimuths * views, 3)."""
+        theta, phi = self.view_angles(), np.linspace(0.0, 0.5 * np.pi, self.azimuths)[:, None]
+        x, y, z = np.broadcast_arrays(np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta))
+        return np.stack([x, y, z], axis=-1).reshape(-1, 3)
+
+
+ROUND = Layout(views=48, azimuths=1, turns=40, cell_rings=20, cell_turns=24)
+STRETCHED = Layout(views=24, azimuths=5, turns=64, cell_rings=16, cell_turns=24)
+
+
+@dataclass(frozen=True)
+class Weights:
+    """`rows` (views, numbers), laid out as osl/include/weights.h reads it, with `channels` (1 or 3) of energy per cell.
+
+    `spikes` (angles, 3), empty without a spike, are the colours of the perfect mirror at the rows' angles and between
+    them. `left` (views,) is the share of the light that is left over to splats.
+    """
+
+    layout: Layout
     rows: np.ndarray
     spikes: np.ndarray
     channels: int
     left: np.ndarray
 
 
-def view_angles():
-    """Angles of the rows in radians, (VIEWS,)."""
-    return STEEPEST * (1.0 - (1.0 - np.arange(VIEWS) / (VIEWS - 1)) ** CROWDED)
-
-
 def weights(model, parameters: dict) -> Weights:
-    """Weights of a model that is round about the normal, for its parameters; the last few are kept.
+    """Weights of a model for its parameters; the last few are kept.
 
     Raises ValueError where the formula gives what is no reflectance: numbers that are negative or not finite.
     """
@@ -69,26 +99,30 @@ def weights(model, parameters: dict) -> Weights:
 @lru_cache(maxsize=32)
 def _weights(model, key):
     p = model.resolve(dict(key))
-    looks = [Look.at(model, p, view) for view in view_at(np.cos(view_angles()))]
+    stretch = model.stretched(p) if model.stretched else (1.0, 1.0)
+    layout = ROUND if stretch[0] == stretch[1] else replace(STRETCHED, stretch=stretch)
+    looks = [Look.at(model, p, view, layout) for view in layout.seen_from()]
     share = _fitted(looks)
     rows = [_row(look, weight) for look, weight in zip(looks, share, strict=True)]
     spikes = np.zeros((0, 3))
     if model.spike:
-        between = np.interp(np.arange((VIEWS - 1) * SPIKES + 1) / SPIKES, np.arange(VIEWS), view_angles())
+        between = np.interp(np.arange((layout.views - 1) * SPIKES + 1) / SPIKES, np.arange(layout.views),
+                            layout.view_angles())
         spikes = model.spike(np.cos(between), p)
-    return Weights(np.array([row for row, _ in rows]), spikes, looks[0].density.shape[-1],
+    return Weights(layout, np.array([row for row, _ in rows]), spikes, looks[0].density.shape[-1],
                    np.array([left for _, left in rows]))
 
 
 @dataclass(frozen=True)
 class Look:
-    """A formula seen from one view, on a polar grid of half vectors on the side y >= 0.
+    """A formula seen from one view, on a polar grid of half vectors; of round ones on the side y >= 0.
 
-    `s` (RINGS + 1,) are the rings' edges over sin(theta_h); `light`, `half` (RINGS, TURNS, 3), `area` (RINGS, TURNS) the
-    solid angle of half vectors, both sides together. `density` (RINGS, TURNS, channels) is f (N·L) dω_L / dω_H. `amiss`
+    `s` (RINGS + 1,) are the rings' edges; `light`, `half` (RINGS, turns, 3), `area` (RINGS, turns) the
+    solid angle of half vectors, of both sides together. `density` (.., channels) is f (N·L) dω_L / dω_H. `amiss`
     (channels,) is the albedo over its sum on the grid, 1 within some thousandths.
     """
 
+    layout: Layout
     view: np.ndarray
     s: np.ndarray
     light: np.ndarray
@@ -99,20 +133,20 @@ class Look:
     amiss: np.ndarray
 
     @classmethod
-    def at(cls, model, p, view):
-        coarse = np.unique(np.concatenate([[0.0], np.geomspace(0.01 * model.width(p), 1.0, 160), np.linspace(0, 1, 80)]))
-        s = _quantiles(coarse, *cls._ring_energies(model, p, view, coarse), model.width(p))
-        light, half, lit, area = _grid(view, s, TURNS)
+    def at(cls, model, p, view, layout):
+        most = 1.0 / min(layout.stretch)
+        coarse = np.unique(np.concatenate([[0.0], np.geomspace(0.01 * model.width(p), most, 160),
+                                           np.linspace(0.0, most, 80)]))
+        s = _quantiles(coarse, *cls._ring_energies(model, p, view, coarse, layout), model.width(p))
+        light, half, lit, area = _grid(view, s, layout.turns, layout)
         density = _density(model, p, view, light, half, lit)
         energy = np.einsum("rt,rtc->c", area, density)
-        true = np.atleast_1d(model.albedo([view[2]], **_given(model, p)).reshape(-1))
-        if model.spike:
-            true = (true - model.spike(np.array([view[2]]), p)[0])[: len(energy)]
-        return cls(view, s, light, half, lit, area, density, true / np.maximum(energy, 1e-12))
+        true = np.atleast_1d(model.albedo_from(view, p))
+        return cls(layout, view, s, light, half, lit, area, density, true / np.maximum(energy, 1e-12))
 
     @staticmethod
-    def _ring_energies(model, p, view, s):
-        light, half, lit, area = _grid(view, s, 24)
+    def _ring_energies(model, p, view, s, layout):
+        light, half, lit, area = _grid(view, s, 24, layout)
         energy = (_density(model, p, view, light, half, lit).max(axis=-1) * area).sum(axis=1)
         return energy, s[1:][lit.any(axis=1)].max()
 
@@ -132,18 +166,19 @@ def _quantiles(edges, energy, last, width):
     return np.interp(np.linspace(0.0, 1.0, RINGS + 1), mixed[kept] / mixed[kept][-1], edges[kept])
 
 
-def _grid(view, s, turns):
+def _grid(view, s, turns, layout):
     """Lights, half vectors (rings, turns, 3), whether lit, and areas (rings, turns) of the cells between the edges s."""
     middle2 = 0.5 * (s[1:] ** 2 + s[:-1] ** 2)
-    ring, phi = np.meshgrid(np.sqrt(middle2), (np.arange(turns) + 0.5) / turns * np.pi, indexing="ij")
-    up = np.sqrt(np.maximum(1.0 - ring * ring, 0.0))
-    half = np.stack([ring * np.cos(phi), ring * np.sin(phi), up], axis=-1)
+    ring, phi = np.meshgrid(np.sqrt(middle2), (np.arange(turns) + 0.5) / turns * layout.around,
+                            indexing="ij")
+    x, y = ring * np.cos(phi) * layout.stretch[0], ring * np.sin(phi) * layout.stretch[1]
+    up = np.sqrt(np.maximum(1.0 - x * x - y * y, 0.0))
+    half = np.stack([x, y, up], axis=-1)
     view_half = half @ view
     light = 2.0 * view_half[..., None] * half - view
-    lit = (view_half > 1e-6) & (light[..., 2] > 1e-9)
-    # Of s ds dphi / cos(theta_h) the integral over s is exact.
-    rise = np.sqrt(np.maximum(1.0 - s[:-1] ** 2, 0.0)) - np.sqrt(np.maximum(1.0 - s[1:] ** 2, 0.0))
-    return light, half, lit, np.repeat(rise[:, None] * 2.0 * np.pi / turns, turns, axis=1)
+    lit = (view_half > 1e-6) & (light[..., 2] > 1e-9) & (up > 1e-3)
+    area = np.pi / turns * (s[1:] ** 2 - s[:-1] ** 2)[:, None] * np.prod(layout.stretch) / np.maximum(up, 1e-3)
+    return light, half, lit, area
 
 
 def _density(model, p, view, light, half, lit):
@@ -187,7 +222,7 @@ def _lambda(direction, widths):
 
 
 def _candidates(look, density):
-    """[(slopes, widths)] of microfacets that may be of use for a `density` (RINGS, TURNS), by its spread."""
+    """[(slopes, widths)] of microfacets that may be of use for a `density` (RINGS, turns), by its spread."""
     energy = (density * look.area).ravel()
     if not energy.any():
         return []
@@ -198,24 +233,26 @@ def _candidates(look, density):
         return np.interp(np.array(shares) * done[-1], done, slope.ravel()[order])
 
     up = np.maximum(look.half[..., 2], 1e-3)
-    low, middle, high = quantiles(look.half[..., 0] / up, (0.16, 0.5, 0.84))
-    spread = np.maximum([0.5 * (high - low), quantiles(look.half[..., 1] / up, (0.68,))[0]], 1e-4)
+    low, middle, high = np.transpose([quantiles(look.half[..., i] / up, (0.16, 0.5, 0.84)) for i in (0, 1)])
+    if look.layout.azimuths == 1:
+        low[1], middle[1], high[1] = 0.0, 0.0, 2.0 * quantiles(look.half[..., 1] / up, (0.68,))[0]
+    spread = np.maximum(0.5 * (high - low), 1e-4)
     found = []
     for width in WIDTHS:
-        for x, y in PLACES:
+        for x, y in PLACES if look.layout.azimuths == 1 else STRETCHED_PLACES:
             if not y or width < WIDEST_PAIR:
-                slopes = (middle + x * spread[0], y * spread[1])
+                slopes = (middle[0] + x * spread[0], middle[1] + y * spread[1])
                 found.append((slopes, tuple(np.clip(np.sqrt(2.0) * width * spread, 5e-4, 1.0))))
     return found
 
 
 def _shown(look, candidates):
-    """Densities of the candidates, pairs together, and of a diffuse closure last: (candidates + 1, RINGS, TURNS)."""
+    """Densities of the candidates, pairs together, and of a diffuse closure last: (candidates + 1, RINGS, turns)."""
     stretch = np.where(look.lit, 4.0 * np.maximum(look.half @ look.view, 0.0), 0.0)
     found = []
     for slopes, widths in candidates:
         value = facet_value(slopes, widths, look.view, look.light)
-        if slopes[1]:
+        if slopes[1] and look.layout.azimuths == 1:
             value = value + facet_value((slopes[0], -slopes[1]), widths, look.view, look.light)
         found.append(value * stretch)
     found.append(np.where(look.lit, look.light[..., 2] / np.pi, 0.0) * stretch)
@@ -319,29 +356,30 @@ def _row(look, fitted):
 
 
 def _cells(look, left):
-    """Edges of rings (CELL_RINGS + 1), of cells around each (CELL_RINGS, CELL_TURNS + 1), energies (.., channels), flat.
+    """Edges of rings (rings + 1), of cells around each (rings, turns + 1), energies (rings, turns, channels), flat.
 
     Rings have equal energy in the strongest channel, and so have the cells of a ring. The energies are those of both
     sides of the plane of incidence, times the number of cells.
     """
+    layout = look.layout
     energy = look.area[..., None] * left
-    before = np.concatenate([np.zeros((1, *energy.shape[1:])), np.cumsum(energy, axis=0)])  # (RINGS + 1, TURNS, c)
+    before = np.concatenate([np.zeros((1, *energy.shape[1:])), np.cumsum(energy, axis=0)])  # (RINGS + 1, turns, c)
     strongest = before[-1].sum(axis=0).argmax()
     by_ring = before[..., strongest].sum(axis=1)
     if not by_ring[-1] > 0.0:
         by_ring = np.linspace(0.0, 1.0, RINGS + 1)
-    edges2 = np.interp(np.linspace(0.0, 1.0, CELL_RINGS + 1), by_ring / by_ring[-1], look.s**2)
+    edges2 = np.interp(np.linspace(0.0, 1.0, layout.cell_rings + 1), by_ring / by_ring[-1], look.s**2)
     at = np.stack([[np.interp(edges2, look.s**2, before[:, t, c]) for t in range(energy.shape[1])]
-                   for c in range(energy.shape[2])], axis=-1)  # (TURNS, edges, c)
+                   for c in range(energy.shape[2])], axis=-1)  # (turns, edges, c)
     turns, energies = [], []
-    phi = np.linspace(0.0, np.pi, energy.shape[1] + 1)
+    phi = np.linspace(0.0, layout.around, energy.shape[1] + 1)
     for ring in np.diff(at, axis=1).transpose(1, 0, 2):
         around = np.concatenate([np.zeros((1, ring.shape[1])), np.cumsum(ring, axis=0)])
         total = around[-1, strongest]
-        steps = around[:, strongest] / total if total > 0.0 else phi / np.pi
+        steps = around[:, strongest] / total if total > 0.0 else phi / phi[-1]
         steps = steps + 1e-9 * phi  # of a flat part, any place
-        edges = np.interp(np.linspace(0.0, steps[-1], CELL_TURNS + 1), steps, phi)
+        edges = np.interp(np.linspace(0.0, steps[-1], layout.cell_turns + 1), steps, phi)
         turns.append(edges)
         energies.append(np.diff([np.interp(edges, phi, around[:, c]) for c in range(ring.shape[1])], axis=1).T)
-    energies = np.array(energies) * CELL_RINGS * CELL_TURNS
+    energies = np.array(energies) * layout.cell_rings * layout.cell_turns
     return np.concatenate([np.sqrt(edges2), np.ravel(turns), energies.ravel()])

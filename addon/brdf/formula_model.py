@@ -19,7 +19,8 @@ class FormulaModel(Model):
     where it is white. `diffuse(view, light, p)` gives the amount of `diffuse_color` (N,) or (N, 3), in 1/sr. `sampler(p)`
     is what `sample` draws from (see samplers.py). `width(p)` is about the root mean square slope of the half vectors of
     the narrowest lobe: it says how fine to look. `shape` names the parameter that widens or narrows the lobe. `symmetric`
-    tells whether f(V, L) = f(L, V) is claimed. `anisotropic` models know a tangent, x. `spike(mu, p)`, where there is
+    tells whether f(V, L) = f(L, V) is claimed. `stretched(p)`, of models that know a tangent, x, gives
+    the widths of the lobe along and across it, the larger 1. `spike(mu, p)`, where there is
     one, is the reflectance (N, 3) of a perfect mirror on top, which is no part of f.
     """
 
@@ -30,7 +31,7 @@ class FormulaModel(Model):
     colour: object = None
     diffuse: object = None
     symmetric: bool = True
-    anisotropic: bool = False
+    stretched: object = None
     spike: object = None
 
     baked = True
@@ -47,13 +48,15 @@ class FormulaModel(Model):
         return (value if value.ndim == 2 else value[:, None]) + amount * np.asarray(p["diffuse_color"])
 
     def _albedo(self, mu, p):
-        width = self.width(p)
-        albedo = np.array([quadrature.hemisphere(lambda v, light: self._value(v, light, p), view, width,
-                                                 mirrored=not self.anisotropic)
-                           for view in view_at(np.maximum(mu, 1e-6))])
+        albedo = np.array([self.albedo_from(view, p) for view in view_at(np.maximum(mu, 1e-6))])
         if self.spike is None:
             return albedo
         return (albedo if albedo.ndim == 2 else albedo[:, None]) + self.spike(mu, p)
+
+    def albedo_from(self, view, p):
+        """Albedo without the spike for one view (3,), of resolved parameters: a number or (3,)."""
+        return quadrature.hemisphere(lambda v, light: self._value(v, light, p), view, self.width(p),
+                                     mirrored=self.stretched is None)
 
     def _sample(self, view, u, p):
         return self.sampler(p).sample(view, u)

@@ -202,7 +202,7 @@ SURFACE = (
     Parameter("tau", "Correlation τ", "float", 1.7, "Correlation length of the surface in micrometres", 0.2, 20.0),
     Parameter("wavelength", "Wavelength", "float", 0.55, "Wavelength of the light in micrometres", 0.38, 0.78),
 )
-NORMALIZE = (Parameter("normalize", "Normalized", "bool", True, "Scale the lobe so that its light does not depend on "
+NORMALIZE = (Parameter("normalized", "Normalized", "bool", True, "Scale the lobe so that its light does not depend on "
                        "the exponent"),)
 
 

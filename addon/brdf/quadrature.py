@@ -94,13 +94,17 @@ def polar_energy(lobe, exponent: float, cos_theta, polar: int, azimuthal: int, e
 def hemisphere(evaluate, view, width: float, mirrored: bool = True, polar: int = 12, azimuthal: int = 48):
     """Integral of `evaluate(view, light)`, (N,) or (N, 3) in 1/sr, times N·L over the lights above the horizon.
 
-    `view` (3,) lies in the x-z plane. Nodes are dense where half vectors lean by `width` or less; `mirrored`: the two
-    sides of the plane of incidence are alike, and one is looked at. Returns a number or (3,).
+    Nodes are dense where half vectors lean by `width` or less. `mirrored`: both sides of the plane of incidence are
+    alike, and one is looked at. Returns a number or (3,).
     """
     light, weight = _hemisphere_nodes(float(view[2]), width, polar, azimuthal)
     if not mirrored:
         light = np.concatenate([light, light * [1.0, -1.0, 1.0]])
         weight = np.concatenate([weight, weight])
+    across = np.hypot(view[0], view[1])
+    if view[1] and across:
+        c, s = view[0] / across, view[1] / across
+        light = np.stack([c * light[:, 0] - s * light[:, 1], s * light[:, 0] + c * light[:, 1], light[:, 2]], axis=-1)
     value = evaluate(np.broadcast_to(view, light.shape), light)
     energy = value * (weight if value.ndim == 1 else weight[:, None])
     return energy.sum(axis=0) * (2.0 if mirrored else 1.0)

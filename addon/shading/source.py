@@ -84,13 +84,15 @@ def _weights(model, given):
     baked = weights.weights(model, given)
     inputs = [f"{_TYPES[q.kind]} {q.id} = {_literal(_TYPES[q.kind], q.default)}" for q in model.parameters]
     matches = [_matches(q, p[q.id]) for q in model.parameters if q.evaluated]
-    numbers = {"VIEWS": weights.VIEWS, "STEEPEST": weights.STEEPEST, "CROWDED": weights.CROWDED,
-               "FACETS": weights.FACETS, "RINGS": weights.CELL_RINGS, "AROUND": weights.CELL_TURNS,
+    layout = baked.layout
+    numbers = {"VIEWS": layout.views, "AZIMUTHS": layout.azimuths, "STEEPEST": weights.STEEPEST,
+               "CROWDED": weights.CROWDED, "FACETS": weights.FACETS, "RINGS": layout.cell_rings,
+               "AROUND": layout.cell_turns, "STRETCH_X": layout.stretch[0], "STRETCH_Y": layout.stretch[1],
                "CHANNELS": baked.channels, "SPIKES": weights.SPIKES if len(baked.spikes) else 0}
     lines = [f"#define W_{name} {value}" for name, value in numbers.items()]
     lines += [f"#define MODEL {model.id}", f'#define MODEL_LABEL "{model.label}"',
               "#define MODEL_PARAMETERS " + ", ".join(inputs), "#define MODEL_MATCHES " + " && ".join(matches),
-              "#define DATA_PARAMETERS " + _array("weights", np.concatenate([baked.rows.ravel(), baked.spikes.ravel()]))]
+              "#define DATA_PARAMETERS " + _array("weights", [*baked.rows.ravel(), *baked.spikes.ravel()])]
     return "\n".join(lines) + "\n"
 
 

@@ -19,24 +19,6 @@ struct Spot {
     float size;      // |V+L|, for scaling the length of the vector that ends at h
 };
 
-// A tangent across the shading normal; where none is given, one that runs around the object's z axis.
-Frame tangent_frame(normal shading, normal geometric, vector view, vector tangent)
-{
-    Frame f;
-    f.z = valid_normal(shading, geometric, view);
-    vector along = tangent;
-    if (dot(along, along) < 1e-8)
-        along = cross(transform("object", "common", vector(0.0, 0.0, 1.0)), f.z);
-    along -= dot(along, f.z) * f.z;
-    if (dot(along, along) < 1e-8)
-        along = abs(f.z[0]) > 0.9 ? cross(vector(0.0, 1.0, 0.0), f.z) : cross(cross(f.z, vector(1.0, 0.0, 0.0)), f.z);
-    f.x = normalize(along);
-    f.y = cross(f.z, f.x);
-    vector v = vector(dot(f.x, view), dot(f.y, view), max(dot(f.z, view), 1e-4));
-    f.view = normalize(v);
-    return f;
-}
-
 Disk make_disk(normal shading, normal surface, normal geometric, vector view, vector tangent, int orthogonal)
 {
     Disk d;

@@ -8,7 +8,7 @@
 #define W_TURNS (W_CELLS + W_RINGS + 1)
 #define W_ENERGY (W_TURNS + W_RINGS * (W_AROUND + 1))
 #define W_ROW (W_ENERGY + W_RINGS * W_AROUND * W_CHANNELS)
-#define W_SPIKE (W_VIEWS * W_ROW)  // after all rows, the colour of a perfect mirror, at W_SPIKES angles from row to row
+#define W_SPIKE (W_AZIMUTHS * W_VIEWS * W_ROW)  // after all rows, the colour of a perfect mirror, at W_SPIKES angles from row to row
 
 #define NARROWEST 5e-4    // slope: Cycles takes narrower facets for mirrors
 #define SPLAT 1.2         // width of a splat's facet, of its cell's size
@@ -22,12 +22,41 @@ float weights_place(float mu)
     return (W_VIEWS - 1) * (1.0 - pow(1.0 - along, 1.0 / W_CROWDED));
 }
 
-// One of the two rows beside a place, by the number `chance`.
-int weights_row(float place, float chance)
+// One of the two whole numbers beside a place, up to `last`, by the number `chance`, which is stretched for another use.
+int beside(float place, int last, output float chance)
 {
-    int row = min((int)place, W_VIEWS - 2);
-    return W_ROW * (chance < place - row ? row + 1 : row);
+    int low = clamp((int)place, 0, last - 1);
+    float rest = clamp(place - low, 0.0, 1.0);
+    int up = chance < rest;
+    chance = up ? chance / rest : (chance - rest) / max(1.0 - rest, 1e-6);
+    return low + up;
 }
+
+// Where the row begins that a view is given.
+int weights_row(vector view, float place, float number)
+{
+    float chance = number;
+    int row = beside(place, W_VIEWS - 1, chance);
+#if W_AZIMUTHS > 1
+    row += W_VIEWS * beside((W_AZIMUTHS - 1) * atan2(view[1], view[0]) / M_PI_2, W_AZIMUTHS - 1, chance);
+#endif
+    return W_ROW * row;
+}
+
+#if W_AZIMUTHS > 1
+// A frame turned so that the view is on the positive side of both axes, as rows of views are: what is stretched along
+// axes is the same on either side of them.
+Frame first_quadrant(Frame given)
+{
+    Frame f = given;
+    if (f.view[0] < 0.0)
+        f.x = -f.x;
+    if (f.view[1] < 0.0)
+        f.y = -f.y;
+    f.view = vector(abs(f.view[0]), abs(f.view[1]), f.view[2]);
+    return f;
+}
+#endif
 
 color weights_colour(float w[], int at)
 {
@@ -51,7 +80,7 @@ closure color weights_base(Frame f, float w[], int row)
         if (max(weight[0], max(weight[1], weight[2])) > 1e-5) {
             vector x = vector(1.0, 0.0, 0.0);
             sum = weights_facet(f, vector(w[at], w[at + 1], 1.0), w[at + 2], w[at + 3], x, weight) + sum;
-            if (w[at + 1] != 0.0)
+            if (W_AZIMUTHS == 1 && w[at + 1] != 0.0)  // a pair, on either side of the plane of incidence
                 sum = weights_facet(f, vector(w[at], -w[at + 1], 1.0), w[at + 2], w[at + 3], x, weight) + sum;
         }
     }
@@ -74,12 +103,23 @@ closure color weights_spike(Frame f, float w[], float place)
     return spike;
 }
 
+// A step across the normal, as one on the sphere of half vectors.
+vector on_sphere(vector h, vector step)
+{
+    return step - vector(0.0, 0.0, dot(step, h) / max(h[2], 0.1));
+}
+
 // One splat, in the cell that the numbers u, v in 0..1 choose, at the place in it that their rests do.
 closure color weights_splat(Frame f, float w[], int row, float u, float v, color share, float spread, vector up)
 {
-    float side = v < 0.5 ? 1.0 : -1.0;
     float ring = W_RINGS * u;
+#if W_AZIMUTHS > 1
+    float side = 1.0;
+    float turn = W_AROUND * v;
+#else
+    float side = v < 0.5 ? 1.0 : -1.0;
     float turn = W_AROUND * mod(2.0 * v, 1.0);
+#endif
     int i = min((int)ring, W_RINGS - 1);
     int j = min((int)turn, W_AROUND - 1);
     int edge = row + W_TURNS + (W_AROUND + 1) * i + j;
@@ -87,7 +127,9 @@ closure color weights_splat(Frame f, float w[], int row, float u, float v, color
     float high = w[row + W_CELLS + i + 1];
     float s = sqrt(mix(low * low, high * high, ring - i));
     float phi = side * mix(w[edge], w[edge + 1], turn - j);
-    vector h = vector(s * cos(phi), s * sin(phi), sqrt(max(1.0 - s * s, 0.0)));
+    vector out = vector(cos(phi) * W_STRETCH_X, sin(phi) * W_STRETCH_Y, 0.0);
+    vector turned = vector(-sin(phi) * W_STRETCH_X, cos(phi) * W_STRETCH_Y, 0.0);
+    vector h = vector(s * out[0], s * out[1], sqrt(max(1.0 - s * s * dot(out, out), 0.0)));
     vector light = 2.0 * dot(f.view, h) * h - f.view;
     float height = min(light[2], dot(light, up));
     closure color splat = 0;
@@ -95,10 +137,20 @@ closure color weights_splat(Frame f, float w[], int row, float u, float v, color
         color weight = share * weights_colour(w, row + W_ENERGY + W_CHANNELS * (W_AROUND * i + j));
         // Lights move twice as fast as half vectors: little of a splat may reach below the horizon.
         float most = max(0.25 * height, NARROWEST);
-        float radial = clamp(spread * SPLAT * (high - low) / max(h[2], 0.1), NARROWEST, most);
-        float round = clamp(spread * SPLAT * s * (w[edge + 1] - w[edge]), NARROWEST, most);
-        vector outward = vector(cos(phi) * h[2], sin(phi) * h[2], -s);
-        splat = weights_facet(f, h, radial, round, outward, weight);
+        // The ellipse that two sides of the cell span, of half vectors.
+        vector a = spread * SPLAT * (high - low) * on_sphere(h, out);
+        vector b = spread * SPLAT * s * (w[edge + 1] - w[edge]) * on_sphere(h, turned);
+        vector e1 = normalize(dot(a, a) > dot(b, b) ? a : b);
+        vector e2 = cross(h, e1);
+        float xx = dot(a, e1) * dot(a, e1) + dot(b, e1) * dot(b, e1);
+        float xy = dot(a, e1) * dot(a, e2) + dot(b, e1) * dot(b, e2);
+        float yy = dot(a, e2) * dot(a, e2) + dot(b, e2) * dot(b, e2);
+        float mean = 0.5 * (xx + yy);
+        float apart = hypot(0.5 * (xx - yy), xy);
+        float angle = 0.5 * atan2(2.0 * xy, xx - yy);
+        splat = weights_facet(f, h, clamp(sqrt(mean + apart), NARROWEST, most),
+                              clamp(sqrt(max(mean - apart, 0.0)), NARROWEST, most),
+                              cos(angle) * e1 + sin(angle) * e2, weight);
     }
     return splat;
 }
@@ -106,7 +158,7 @@ closure color weights_splat(Frame f, float w[], int row, float u, float v, color
 closure color weights_estimate(Frame f, float w[], vector numbers, int samples, float spread, vector up)
 {
     float place = weights_place(f.view[2]);
-    int row = weights_row(place, numbers[2]);
+    int row = weights_row(f.view, place, numbers[2]);
     float left = w[row];
     int count = clamp((int)ceil(samples * left / MUCH_LEFT), 1, samples);
     float chance = clamp(left / LITTLE_LEFT, 0.05, 1.0);

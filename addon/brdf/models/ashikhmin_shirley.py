@@ -24,6 +24,11 @@ def diffuse(view, light, p):
     return 28.0 / (23.0 * np.pi) * both[:, None] * (1.0 - np.asarray(p["base_color"]))
 
 
+def stretch(p):
+    least = min(p["exponent_u"], p["exponent_v"]) + 1.0
+    return np.sqrt(least / (p["exponent_u"] + 1.0)), np.sqrt(least / (p["exponent_v"] + 1.0))
+
+
 def drawn(p):
     glossy = HalfPower(p["exponent_u"], p["exponent_v"])
     rest = np.mean(p["diffuse_color"]) * (1.0 - np.mean(p["base_color"]))
@@ -37,4 +42,4 @@ register(FormulaModel(
     formula="√((n_u+1)(n_v+1)) F (N·H)^(n_u cos²φ + n_v sin²φ) / (8π V·H max(N·L, N·V)) + diffuse",
     references=(ASHIKHMIN + ", eq. 4, 5",),
     lobe=lobe, sampler=drawn, width=lambda p: np.sqrt(2.0 / max(p["exponent_u"], p["exponent_v"])),
-    shape="exponent_u", colour=schlick, diffuse=diffuse, anisotropic=True))
+    shape="exponent_u", colour=schlick, diffuse=diffuse, stretched=stretch))

@@ -20,7 +20,7 @@ def lobe(view, light, p):
     sine_v, sine_l = _sines(view, light)
     cosine = np.maximum(sine_v * sine_l - view[:, 0] * light[:, 0], 0.0)
     m = p["exponent"]
-    scale = (m + 2.0) / (2.0 * np.pi) if p["normalize"] else 1.0
+    scale = (m + 2.0) / (2.0 * np.pi) if p["normalized"] else 1.0
     return scale * cosine**m * sine_l / light[:, 2]
 
 
@@ -34,4 +34,4 @@ register(FormulaModel(
     parameters=EXPONENT + NORMALIZE + SPECULAR + DIFFUSE + TANGENT + ESTIMATOR, tables=(),
     formula="(c_diff/π + c_spec (m+2)/(2π) cos^m α_r) cosθ'_i / N·L", references=(KAJIYA, RTR + ", eq. 7.50"),
     lobe=lobe, sampler=lambda p: Cosine(), width=lambda p: np.sqrt(0.5 / p["exponent"]), shape="exponent",
-    colour=constant, diffuse=diffuse, symmetric=False, anisotropic=True))
+    colour=constant, diffuse=diffuse, symmetric=False, stretched=lambda p: (min(2.0 / np.sqrt(p["exponent"] + 4.0), 0.9), 1.0)))

@@ -41,6 +41,11 @@ def drawn(p):
     return Mixture(((max(specular, 1e-3), glossy), (diffuse, Cosine()))) if diffuse else glossy
 
 
+def stretch(p):
+    widest = max(p["roughness_u"], p["roughness_v"])
+    return p["roughness_u"] / widest, p["roughness_v"] / widest
+
+
 def narrow(p):
     return min(p["roughness_u"], p["roughness_v"])
 
@@ -49,7 +54,7 @@ def declare(model_id, label, description, lobe, formula, references):
     return register(FormulaModel(
         id=model_id, label=label, description=description, parameters=SLOPES + SPECULAR + DIFFUSE + TANGENT + ESTIMATOR,
         tables=(), formula=formula, references=references, lobe=lobe, sampler=drawn, width=narrow, shape="roughness_u",
-        colour=constant, diffuse=lambert, anisotropic=True))
+        colour=constant, diffuse=lambert, stretched=stretch))
 
 
 declare("ward", "Ward", "Elliptical highlights by one exponential. Its albedo passes 1 towards grazing", ward,
