@@ -24,6 +24,7 @@ FACETS = 12  # base microfacets of a row; those off the plane of incidence come 
 FACET = 7  # numbers of each: its slopes along x and y, its widths along x and y, its colour
 OVER = 6.0  # what more it counts to be above the formula than below it
 STEPS, COARSE, SWEEPS = 14, 6, 40  # of reweighting, the same to choose by, and of coordinate descent in each
+LEAST_HEIGHT = 0.05  # of the mirrored view over the horizon, in parts of the view's, for a facet to be of use
 UNSEEN = 0.3  # share left of a direction's light above which more candidates are sought
 EVEN = 0.35  # share of rings that are spaced without regard to energy
 
@@ -243,7 +244,13 @@ def _candidates(look, density):
             if not y or width < WIDEST_PAIR:
                 slopes = (middle[0] + x * spread[0], middle[1] + y * spread[1])
                 found.append((slopes, tuple(np.clip(np.sqrt(2.0) * width * spread, 5e-4, 1.0))))
-    return found
+    return [facet for facet in found if _mirrors(look.view, facet[0])]
+
+
+def _mirrors(view, slopes):
+    """Whether a facet mirrors the view above the horizon: Cycles bends the normals of others until they do."""
+    normal = np.array([*slopes, 1.0]) / np.sqrt(1.0 + slopes[0] ** 2 + slopes[1] ** 2)
+    return 2.0 * (normal @ view) * normal[2] - view[2] > LEAST_HEIGHT * view[2]
 
 
 def _shown(look, candidates):
@@ -273,7 +280,8 @@ def _fitted(looks):
     channels = looks[0].density.shape[-1]
     target = np.array([g.ravel() for g in gray], dtype=np.float32)
     area = np.array([look.area.ravel() for look in looks], dtype=np.float32)
-    candidates = [[*_candidates(look, g), *BROAD] for look, g in zip(looks, gray, strict=True)]
+    candidates = [[*_candidates(look, g), *(b for b in BROAD if _mirrors(look.view, b[0]))]
+                  for look, g in zip(looks, gray, strict=True)]
     shown, basis = _bases(looks, candidates)
     weight = _from_below(basis, target, area, COARSE)
     # A lobe that these do not see at all, such as one that reflects back, gets candidates of its own.
