@@ -48,9 +48,9 @@ def test_list_as_json(capsys):
 
 
 def test_unknown_model(capsys):
-    assert cli.main(["list", "ward"]) == 2
+    assert cli.main(["list", "wart"]) == 2
     error = one_line(capsys)
-    assert error.startswith("plausible list: ") and "'ward'" in error
+    assert error.startswith("plausible list: ") and "'wart'" in error
     assert all(name in error for name in brdf.MODELS)
 
 

@@ -13,6 +13,7 @@ pytestmark = pytest.mark.blender
 from addon import brdf, cli
 from addon.brdf import tables
 from addon.packaging import archive, checks
+from addon.shading import source
 
 # Blender 4.2 crashes and 4.5 hangs when a process ends with Python classes still registered: every script ends here,
 # and an error shows and fails it.
@@ -93,7 +94,7 @@ def test_zip_holds_the_extension_and_nothing_else(package):
     assert {name.partition("/")[0] for name in names} <= allowed
     assert not [name for name in names if "__pycache__" in name or "/." in name or name.endswith((".pyc", ".oso"))]
     assert {f"luts/{name}.exr" for name in tables.TABLES} <= set(names)
-    assert {f"osl/{model}.osl" for model in brdf.MODELS} <= set(names)
+    assert {f"osl/{source.shader_path(model).name}" for model in brdf.MODELS.values()} <= set(names)
 
 
 def test_zip_is_the_same_bytes_for_the_same_files(package, tmp_path):

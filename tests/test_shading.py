@@ -5,12 +5,15 @@ import re
 import numpy as np
 import pytest
 
+from addon.baking import weights
 from addon.brdf import MODELS, TableError, tables
 from addon.brdf.axes import SineAxis
 from addon.shading import source
 
-ON_BASE_LOBES = {name: model for name, model in MODELS.items() if model.base_family}
-ON_BELLS = {name: model for name, model in MODELS.items() if name not in ON_BASE_LOBES}
+BAKED = {name: model for name, model in MODELS.items() if model.baked}
+WRITTEN = {name: model for name, model in MODELS.items() if not model.baked}  # those with a shader of their own
+ON_BASE_LOBES = {name: model for name, model in WRITTEN.items() if model.base_family}
+ON_BELLS = {name: model for name, model in WRITTEN.items() if name not in ON_BASE_LOBES}
 
 SIGNATURE = re.compile(r"^shader (\w+)\((.*?)\)\n\{", re.MULTILINE | re.DOTALL)
 INPUT = re.compile(r"(float|int|color|normal) (\w+) = (color\([^)]*\)|[-\d.]+) \[\[(.*?)\]\]$", re.DOTALL)
@@ -42,7 +45,7 @@ def numbers(kind, text):
     return int(values[0]) if kind == "int" else values[0]
 
 
-@pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
+@pytest.mark.parametrize("model", WRITTEN.values(), ids=list(WRITTEN))
 def test_signature_is_the_declaration(model):
     name, inputs, rest = signature(model)
     assert name == model.id
@@ -59,16 +62,18 @@ def test_signature_is_the_declaration(model):
             assert "min" not in hints and "max" not in hints, parameter.id
 
 
-@pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
+@pytest.mark.parametrize("model", WRITTEN.values(), ids=list(WRITTEN))
 @pytest.mark.parametrize("lut", [source.COMPILED, source.FILE])
 def test_assembled_source_stands_alone(model, lut):
     text = source.assemble(model, lut)
     assert "#include" not in text and len(SIGNATURE.findall(text)) == 1
     # Every header once, the model's own among them: a header is known by its first line.
     own = re.findall(r'#include "(.+)"', source.shader_path(model).read_text(encoding="utf-8"))
-    nested = ["include/inputs.h"] if "include/hit.h" in own else []  # what a header includes itself
-    own += nested
     headers = sorted((source.shader_path(model).parent / "include").glob("*.h"))
+    for name in own:  # grows by what its headers include themselves
+        inside = (source.shader_path(model).parent / name).read_text(encoding="utf-8")
+        own += [f"include/{other}" for other in re.findall(r'#include "(.+)"', inside)
+                if f"include/{other}" not in own]
     for header in headers:
         times = text.count(header.read_text(encoding="utf-8").split("\n")[0] + "\n")
         assert times == 1 if f"include/{header.name}" in own else times <= 1, header.name
@@ -86,7 +91,7 @@ def array(text, name):
     return values
 
 
-@pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
+@pytest.mark.parametrize("model", WRITTEN.values(), ids=list(WRITTEN))
 def test_compiled_source_holds_the_tables(model):
     text = source.assemble(model)
     assert source.assemble(model, source.COMPILED) == text
@@ -106,7 +111,7 @@ def test_compiled_source_holds_the_tables(model):
                                                        table.stamp, isinstance(c, SineAxis), table.height]
 
 
-@pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
+@pytest.mark.parametrize("model", WRITTEN.values(), ids=list(WRITTEN))
 def test_file_source_names_the_tables(model):
     text = source.assemble(model, source.FILE)
     for name in model.tables:
@@ -165,6 +170,26 @@ def test_bells_are_put_in(model):
     # 64 places: the middle bell and two rings, and the splats, of two lumps at most, and a diffuse part.
     splats = next(p.maximum for p in model.parameters if p.id == "samples")
     assert 2 * (13 + splats) + 1 <= 48
+
+
+@pytest.mark.parametrize("model", BAKED.values(), ids=list(BAKED))
+def test_baked_models_are_written_from_their_declaration(model, monkeypatch):
+    """Their signature has what the registry declares, of the declared types, and asks for the values it is for."""
+    few = weights.Weights(weights.ROUND, np.arange(6.0).reshape(2, 3), np.array([[7.0, 8.0, 9.0]]), 1, np.zeros(2))
+    monkeypatch.setattr(weights, "weights", lambda of, given: few)
+    text = source.assemble(model)
+    assert f"#define MODEL {model.id}\n" in text and "#include" not in text
+    inputs = re.search(r"#define MODEL_PARAMETERS (.*)\n", text)[1]
+    found = re.findall(r"(float|int|color|normal) (\w+) = ((?:color|normal)\([^)]*\)|[-\d.e]+)", inputs)
+    assert [(kind, name) for kind, name, _ in found] == [(TYPES[p.kind], p.id) for p in model.parameters]
+    for (kind, name, default), parameter in zip(found, model.parameters, strict=True):
+        assert numbers(kind, default) == parameter.default, name
+        assert ("(" in default) == (kind in ("color", "normal")), f"{name}: Cycles sets no input of another type"
+    conditions = re.search(r"#define MODEL_MATCHES (.*)\n", text)[1]
+    asked = set(re.findall(r"\b[a-z]\w*\b", conditions)) - {"abs", "e"}
+    assert asked == {p.id for p in model.parameters if p.evaluated}
+    np.testing.assert_array_equal(array(text, "weights"), [0, 1, 2, 3, 4, 5, 7, 8, 9])
+    assert "#define W_CHANNELS 1\n" in text
 
 
 def test_unknown_lut():

@@ -1,15 +1,15 @@
 """The weights that let any formula render: for rows of views, base closures, and cells of what they leave over.
 
-A formula whose parameters are fixed is a function of view and light. For each of a set of views, a row, it is taken apart
-over the half vectors H, where a lobe hardly moves as the view does:
+A formula whose parameters are fixed is a function of view and light. For each of a set of views, a row, it is taken
+apart over the half vectors H, where a lobe hardly moves as the view does:
 
 - a base: Beckmann microfacets and a diffuse closure, which Cycles evaluates, fitted to the formula from below;
-- what they leave over, cut into cells of equal energy. At a hit the shader draws some of the cells, in each a half vector,
-  and puts a narrow facet about it (a splat).
+- what they leave over, cut into cells of equal energy. At a hit the shader draws some of the cells, in each a half
+  vector, and puts a narrow facet about it (a splat).
 
-Between two rows the shader takes either by chance, in proportion to how near it is: what is expected is then what linear
-interpolation gives. osl/include/weights.h reads the rows. Where the base is above the formula nothing can take light
-away; as much is taken from the whole base, so that no row makes light.
+Between two rows the shader takes either by chance, in proportion to how near it is: what is expected is then what
+linear interpolation gives. osl/include/weights.h reads the rows. Where the base is above the formula nothing can take
+light away; as much is taken from the whole base, so that no row makes light.
 """
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -168,7 +168,7 @@ def _quantiles(edges, energy, last, width):
 
 
 def _grid(view, s, turns, layout):
-    """Lights, half vectors (rings, turns, 3), whether lit, and areas (rings, turns) of the cells between the edges s."""
+    """Of the cells between the edges s: lights, half vectors (rings, turns, 3), whether lit, areas (rings, turns)."""
     middle2 = 0.5 * (s[1:] ** 2 + s[:-1] ** 2)
     ring, phi = np.meshgrid(np.sqrt(middle2), (np.arange(turns) + 0.5) / turns * layout.around,
                             indexing="ij")
@@ -206,14 +206,14 @@ def facet_value(slopes, widths, view, light):
     across = np.cross(normal, [1.0, 0.0, 0.0])
     across /= np.linalg.norm(across)
     frame = np.stack([np.cross(across, normal), across, normal])
-    v, l, h = frame @ view, light @ frame.T, (light + view) @ frame.T
-    seen = (l[..., 2] > 0.0) & (h[..., 2] > 0.0)
+    v, lit, h = frame @ view, light @ frame.T, (light + view) @ frame.T
+    seen = (lit[..., 2] > 0.0) & (h[..., 2] > 0.0)
     if v[2] <= 0.0:
         return np.zeros(light.shape[:-1])
     slope2 = sum((h[..., i] / (np.maximum(h[..., 2], 1e-9) * widths[i])) ** 2 for i in (0, 1))
     cos2 = np.maximum(h[..., 2], 0.0) ** 2 / np.maximum((h * h).sum(axis=-1), 1e-18)
     d = np.exp(-slope2) / (np.pi * widths[0] * widths[1] * np.maximum(cos2, 1e-9) ** 2)
-    return np.where(seen, d / (4.0 * v[2] * (1.0 + _lambda(v, widths) + _lambda(l, widths))), 0.0)
+    return np.where(seen, d / (4.0 * v[2] * (1.0 + _lambda(v, widths) + _lambda(lit, widths))), 0.0)
 
 
 def _lambda(direction, widths):
@@ -314,7 +314,7 @@ def _fitted(looks):
 
 
 def _from_below(basis, target, area, steps=STEPS):
-    """Weights >= 0, (views, candidates), of the sum of `basis` (views, candidates, nodes) that leaves least of `target`.
+    """Weights >= 0, (views, candidates), of the sum of `basis` (views, candidates, nodes) nearest below `target`.
 
     Least is the integral of |target - sum|, OVER times it where the sum is above: by reweighted least squares.
     """

@@ -8,7 +8,7 @@ def register():
     """Register everything. What fails is raised, after all that was registered before it is taken back."""
     import bpy
 
-    from . import luts, operators, panels, preferences, properties
+    from . import luts, materials, operators, panels, preferences, properties
 
     global _registered
     if _registered is not None:
@@ -21,6 +21,7 @@ def register():
         bpy.types.Material.plausible_brdf = bpy.props.PointerProperty(type=properties.PlausibleMaterial)
         undo.callback(delattr, bpy.types.Material, "plausible_brdf")
         undo.callback(luts.stop)
+        undo.callback(materials.stop_waiting)
         luts.choose_folder()
         _registered = undo.pop_all()
 

@@ -1,10 +1,14 @@
 """Materials: a Script node for Cycles, a Principled stand-in for EEVEE, and the viewport colour for Workbench."""
+import json
+
 import bpy
 
 from .. import brdf
 from ..shading import source
 from . import osl
 
+BAKED_KEY = "plausible_baked"  # the values that the weights of a baked model were made for
+PAUSE = 0.3  # seconds that a value rests before its weights are baked
 CYCLES_OUTPUT, STAND_IN, STAND_IN_OUTPUT = "Cycles Output", "Stand-in for EEVEE", "EEVEE Output"
 
 
@@ -32,6 +36,7 @@ def create_material(model_id: str, name: str | None = None, lut: str = source.CO
         parameters = {"use_roughness": True, **parameters}
     for key, value in parameters.items():
         _write(node, model.parameter(key), value)
+    _note_values(node)
     update_stand_in(material)
     return material
 
@@ -82,11 +87,82 @@ def get_value(node, parameter):
 
 
 def set_value(node, parameter, value):
-    """Write a parameter's socket and bring the stand-in up to date. Raises ValueError for a value out of range."""
-    _write(node, parameter, value)
+    """Write a parameter's socket: see `set_values`."""
+    set_values(node, {parameter: value})
+
+
+def set_values(node, new: dict):
+    """Write sockets, {parameter: value}, and bring stand-in and weights up to date.
+
+    Weights are baked at once in background mode; in a window when values have rested for a moment, as dragging a slider
+    writes many. Raises ValueError for a value out of range.
+    """
+    for parameter, value in new.items():
+        _write(node, parameter, value)
     material = next((m for m in bpy.data.materials if m.node_tree == node.id_data), None)
     if material is not None:  # inside a group there is no one stand-in
         update_stand_in(material)
+    if not is_stale(node):
+        return
+    if bpy.app.background or material is None:
+        bake_weights(node)
+    else:
+        _bake_soon(material.name_full)
+
+
+def is_stale(node) -> bool:
+    """Whether a node's weights are for other values than its sockets hold."""
+    return model_of(node).baked and node.get(BAKED_KEY) != _values_text(node)
+
+
+def driven(node) -> list:
+    """Labels of parameters that a link drives although the node's weights are for one value of each."""
+    model = model_of(node)
+    return [p.label for p in model.parameters if model.baked and p.evaluated and socket_of(node, p).is_linked]
+
+
+def bake_weights(node):
+    """Bake a node's weights for the values of its sockets. Raises ValueError, osl.OslError as `create_material`."""
+    osl.load(node, model_of(node), node.get(osl.LUT_KEY, source.COMPILED), values(node))
+    _note_values(node)
+
+
+def _note_values(node):
+    if model_of(node).baked:
+        node[BAKED_KEY] = _values_text(node)
+
+
+def _values_text(node):
+    return json.dumps(values(node))
+
+
+_resting = {}  # material name -> the timer that waits for its values to rest
+
+
+def _bake_soon(name):
+    stop_waiting(name)
+
+    def bake():
+        _resting.pop(name, None)
+        material = next((m for m in bpy.data.materials if m.name_full == name), None)
+        node = script_node(material)
+        if node is None or not is_stale(node):
+            return
+        try:
+            bake_weights(node)
+        except (RuntimeError, ValueError, OSError) as error:  # the weights stay stale, which the panel shows
+            print(f"Plausible BRDF: {name}: {error}")
+
+    _resting[name] = bake
+    bpy.app.timers.register(bake, first_interval=PAUSE)
+
+
+def stop_waiting(name: str | None = None):
+    """Forget the bakes that wait for the values of a material, or of all, to rest."""
+    for key in [name] if name else list(_resting):
+        timer = _resting.pop(key, None)
+        if timer is not None and bpy.app.timers.is_registered(timer):
+            bpy.app.timers.unregister(timer)
 
 
 def _write(node, parameter, value):
@@ -126,7 +202,7 @@ def rebuild(material):
     node = script_node(material)
     if node is None:
         raise ValueError(f"{material.name!r} has no Plausible BRDF node")
-    osl.load(node, model_of(node), node.get(osl.LUT_KEY, source.COMPILED), values(node))
+    bake_weights(node)
 
 
 def change_model(material, model_id: str):
@@ -151,6 +227,8 @@ def change_model(material, model_id: str):
     name = old.name
     tree.nodes.remove(old)
     new.name = name
+    if model.baked:
+        bake_weights(new)
     update_stand_in(material)
 
 
@@ -163,6 +241,8 @@ def apply_preset(material, preset):
     for parameter in model_of(node).parameters:
         if parameter.evaluated:
             _write(node, parameter, preset.parameters.get(parameter.id, parameter.default))
+    if is_stale(node):
+        bake_weights(node)
     update_stand_in(material)
 
 

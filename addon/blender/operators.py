@@ -118,9 +118,7 @@ class PLAUSIBLE_OT_set_metal(bpy.types.Operator):
         node, model = plausible_node(material_of(context))
         metal = METALS[self.metal]
         values = {"base_color": metal.f0, "f90": metal.f90, "ior": metal.ior, "extinction": metal.extinction}
-        for parameter in model.parameters:
-            if parameter.id in values:
-                materials.set_value(node, parameter, values[parameter.id])
+        materials.set_values(node, {p: values[p.id] for p in model.parameters if p.id in values})
         return {"FINISHED"}
 
 
@@ -155,6 +153,26 @@ class PLAUSIBLE_OT_apply_preset(bpy.types.Operator):
     def execute(self, context):
         try:
             materials.apply_preset(material_of(context), PRESETS[self.preset])
+        except (RuntimeError, ValueError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class PLAUSIBLE_OT_bake_weights(bpy.types.Operator):
+    """Bake the weights that the material renders by for the values that its sockets hold, which takes some seconds"""
+
+    bl_idname = "plausible.bake_weights"
+    bl_label = "Bake Weights"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return _shows_ours(context)
+
+    def execute(self, context):
+        try:
+            materials.bake_weights(plausible_node(material_of(context))[0])
         except (RuntimeError, ValueError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -305,6 +323,6 @@ class PLAUSIBLE_OT_update_materials(bpy.types.Operator):
 
 CLASSES = (
     PLAUSIBLE_OT_new_material, PLAUSIBLE_OT_use_osl, PLAUSIBLE_OT_set_metal, PLAUSIBLE_MT_metals,
-    PLAUSIBLE_OT_apply_preset, PLAUSIBLE_MT_presets,
+    PLAUSIBLE_OT_apply_preset, PLAUSIBLE_OT_bake_weights, PLAUSIBLE_MT_presets,
     PLAUSIBLE_OT_bake_luts, PLAUSIBLE_OT_cancel_bake, PLAUSIBLE_OT_update_materials,
 )

@@ -31,7 +31,10 @@ def unavailable() -> str | None:
 
 
 def compile_model(model, lut: str = source.COMPILED, parameters: dict | None = None) -> str:
-    """Bytecode of a model's shader, for its `parameters` where it is baked for them. Raises OslError when it cannot be compiled, brdf.TableError for a bad table."""
+    """Bytecode of a model's shader, for its `parameters` where it is baked for them.
+
+    Raises OslError when it cannot be compiled, brdf.TableError for a bad table.
+    """
     reason = unavailable()
     if reason:
         raise OslError(reason)

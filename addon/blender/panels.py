@@ -6,7 +6,7 @@ import bpy
 from ..brdf.disk_model import DiskModel
 from ..brdf.parameters import COLOUR, EMPIRICAL
 from . import luts, operators, status
-from .materials import socket_of, values
+from .materials import driven, is_stale, socket_of, values
 from .operators import material_of, plausible_node
 from .properties import NAMES
 
@@ -104,7 +104,7 @@ class _Main(_Face):
         return cls.is_here(context)
 
     def draw(self, context):
-        layout, material, _, model = self.begin(context)
+        layout, material, node, model = self.begin(context)
         for notice in status.notices(context, model):
             draw_notice(layout, context, notice)
         if model is None:
@@ -114,10 +114,22 @@ class _Main(_Face):
         row.prop(material.plausible_brdf, "model")
         row.operator("plausible.new_material", text="", icon="ADD").model = model.id
         row.menu("PLAUSIBLE_MT_presets", text="", icon="PRESET")
+        draw_weights(layout, context, node)
         if status.osl_is_on(context.scene):
             note = layout.row()
             note.active = False
             draw_text(note, context, "Open Shading Language is on for this scene", "INFO")
+
+
+def draw_weights(layout, context, node):
+    """What is amiss with the weights of a baked model: links that they cannot follow, values that they are not for."""
+    if driven(node):
+        draw_text(layout.box(), context, "This model is baked for one value of each parameter and cannot follow what "
+                                         f"is plugged into {', '.join(driven(node))}: it renders striped", "ERROR")
+    elif is_stale(node):
+        box = layout.box()
+        draw_text(box, context, "The weights are for other values", "TIME")
+        box.operator("plausible.bake_weights")
 
 
 class _Lobe(_Face):

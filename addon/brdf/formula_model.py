@@ -1,4 +1,4 @@
-"""Models that are a formula and nothing else: they render through a table of weights that is baked for their parameters.
+"""Models that are a formula and nothing else: they render through weights that are baked for their parameters.
 
 This is the whole of what a new model needs: a function in NumPy, what to draw from, how wide it is.
 """
@@ -16,12 +16,12 @@ class FormulaModel(Model):
     """f(V, L) = lobe(V, L) times a colour, plus a diffuse colour times an amount.
 
     `lobe(view, light, p)` (N,) in 1/sr is asked above the horizon only. `colour(view, light, p)` gives (N, 3), or None
-    where it is white. `diffuse(view, light, p)` gives the amount of `diffuse_color` (N,) or (N, 3), in 1/sr. `sampler(p)`
-    is what `sample` draws from (see samplers.py). `width(p)` is about the root mean square slope of the half vectors of
-    the narrowest lobe: it says how fine to look. `shape` names the parameter that widens or narrows the lobe. `symmetric`
-    tells whether f(V, L) = f(L, V) is claimed. `stretched(p)`, of models that know a tangent, x, gives
-    the widths of the lobe along and across it, the larger 1. `spike(mu, p)`, where there is
-    one, is the reflectance (N, 3) of a perfect mirror on top, which is no part of f.
+    where it is white. `diffuse(view, light, p)` gives the amount of `diffuse_color` (N,) or (N, 3), in 1/sr.
+    `sampler(p)` is what `sample` draws from (see samplers.py). `width(p)` is about the root mean square slope of the
+    half vectors of the narrowest lobe: it says how fine to look. `shape` names the parameter that widens or narrows the
+    lobe. `symmetric` tells whether f(V, L) = f(L, V) is claimed. `stretched(p)`, of models that know a tangent, x,
+    gives the widths of the lobe along and across it, the larger 1. `spike(mu, p)`, where there is one, is the
+    reflectance (N, 3) of a perfect mirror on top, which is no part of f.
     """
 
     lobe: object

@@ -34,7 +34,10 @@ def smith_beckmann(mu, m):
 
 
 def erfc(x):
-    """Complementary error function of numbers >= 0 (...,), within 1.2e-7 of its value: Press et al., Numerical Recipes."""
+    """Complementary error function of numbers >= 0 (...,), to a relative 1.2e-7.
+
+    Source: Press et al., Numerical Recipes, 2nd ed., section 6.2.
+    """
     t = 1.0 / (1.0 + 0.5 * np.asarray(x, dtype=np.float64))
     series = (-1.26551223, 1.00002368, 0.37409196, 0.09678418, -0.18628806, 0.27886807, -1.13520398, 1.48851587,
               -0.82215223, 0.17087277)

@@ -193,7 +193,8 @@ POWERS = (
               logarithmic=True),
 )
 SMOOTHNESS = (
-    Parameter("smoothness", "Smoothness s", "float", 5.0, "Smoothness s, one over the slope of the surface", 1.0, 100.0),
+    Parameter("smoothness", "Smoothness s", "float", 5.0, "Smoothness s, one over the slope of the surface", 1.0,
+              100.0),
     Parameter("scattering", "Scattering", "float", 1.0, "Share a_sc of the light that is scattered about the mirror "
               "direction"),
 )

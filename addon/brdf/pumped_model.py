@@ -68,8 +68,7 @@ def albedos(base, mu, p):
     """Albedos a_0 .. a_3 of the pumping of a model's lobe at N·V = `mu` (N,): (N, 4), within 1e-3 of themselves."""
     key = tuple((q.id, p[q.id]) for q in base.parameters if q.id in p and q.evaluated and q.kind in ("float", "bool"))
     nodes, rows = _chain(base, key, bool(p["control"]), int(np.ceil(p["pumps"])))
-    x = np.log(np.clip(mu, _FLATTEST, 1.0))
-    return np.exp(np.stack([np.interp(x, nodes, row) for row in rows], axis=-1))
+    return _between(nodes, rows, mu)
 
 
 @lru_cache(maxsize=64)
@@ -79,16 +78,20 @@ def _chain(base, key, control, stages):
     nodes = np.unique(np.concatenate([np.log(np.cos(np.linspace(0.0, 0.5 * np.pi, _NODES - 40, endpoint=False))),
                                       np.linspace(np.log(_FLATTEST), np.log(0.03), 40)]))
     nodes = nodes[nodes >= np.log(_FLATTEST) - 1e-12]
-    mu = np.exp(nodes)
+    views = view_at(np.exp(nodes))
     rows = []
-    for _ in range(stages):
-        def stage(view, light, done=len(rows)):
+    for done in range(stages):
+        def stage(view, light, done=done):
             value = base.lobe(view, light, p)
             if not done:
                 return value
-            at_view, at_light = (np.exp(np.stack([np.interp(np.log(np.clip(m, _FLATTEST, 1.0)), nodes, row)
-                                                  for row in rows], axis=-1)) for m in (view[:, 2], light[:, 2]))
+            at_view, at_light = (_between(nodes, rows, mu) for mu in (view[:, 2], light[:, 2]))
             return value / pumping.correction(at_view, at_light, view[:, 2], light[:, 2], float(done), control)
 
-        rows.append(np.log([quadrature.hemisphere(stage, view, base.width(p)) for view in view_at(mu)]))
+        rows.append(np.log([quadrature.hemisphere(stage, view, base.width(p)) for view in views]))
     return nodes, np.array(rows)
+
+
+def _between(nodes, rows, mu):
+    x = np.log(np.clip(mu, _FLATTEST, 1.0))
+    return np.exp(np.stack([np.interp(x, nodes, row) for row in rows], axis=-1))

@@ -1,7 +1,7 @@
 """Directions drawn from the lobes that formulas are made of, with their exact densities.
 
-A sampler has `sample(view, u)`, light directions (N, 3) from uniform numbers (N, 2), and `pdf(view, light)`, their density
-in 1/sr over the whole sphere (N,). Both take unit vectors (N, 3).
+A sampler has `sample(view, u)`, light directions (N, 3) from uniform numbers (N, 2), and `pdf(view, light)`, their
+density in 1/sr over the whole sphere (N,). Both take unit vectors (N, 3).
 """
 from dataclasses import dataclass
 

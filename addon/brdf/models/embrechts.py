@@ -16,8 +16,8 @@ EMBRECHTS = "Embrechts, Etude et modélisation de la réflexion lumineuse, thesi
 def lobe(view, light, p):
     """a_sc C exp(-s² tan²β) / (cosθ_L cosθ_V cos⁴β), (N,).
 
-    The attenuation C is taken as s²/(4 pi) times Smith's masking of Gaussian slopes in both directions, which depends on
-    the material's s, as the source says that it does without giving its form.
+    The attenuation C is taken as s²/(4 pi) times Smith's masking of Gaussian slopes in both directions, which depends
+    on the material's s, as the source says that it does without giving its form.
     """
     s = p["smoothness"]
     z = np.maximum(half(view, light)[:, 2], 1e-9)

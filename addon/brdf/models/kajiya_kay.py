@@ -34,4 +34,5 @@ register(FormulaModel(
     parameters=EXPONENT + NORMALIZE + SPECULAR + DIFFUSE + TANGENT + ESTIMATOR, tables=(),
     formula="(c_diff/π + c_spec (m+2)/(2π) cos^m α_r) cosθ'_i / N·L", references=(KAJIYA, RTR + ", eq. 7.50"),
     lobe=lobe, sampler=lambda p: Cosine(), width=lambda p: np.sqrt(0.5 / p["exponent"]), shape="exponent",
-    colour=constant, diffuse=diffuse, symmetric=False, stretched=lambda p: (min(2.0 / np.sqrt(p["exponent"] + 4.0), 0.9), 1.0)))
+    colour=constant, diffuse=diffuse, symmetric=False,
+    stretched=lambda p: (min(2.0 / np.sqrt(p["exponent"] + 4.0), 0.9), 1.0)))

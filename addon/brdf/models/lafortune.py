@@ -37,7 +37,8 @@ def width(p):
 
 register(FormulaModel(
     id="lafortune", label="Lafortune",
-    description="Three cosine lobes about stretched mirror directions: off-specular, retroreflective, for measured data",
+    description="Three cosine lobes about stretched mirror directions: off-specular, retroreflective, for measured "
+    "data",
     parameters=COSINE_LOBES + SPECULAR + DIFFUSE + ESTIMATOR, tables=(),
     formula="ρ_d/π + Σ w (n+2)/(2π) (C_xy (V_x L_x + V_y L_y) + C_z V_z L_z)^n", references=(LAFORTUNE,),
     lobe=lobe, sampler=drawn, width=width, shape="exponent_1", colour=constant, diffuse=lambert))
