@@ -1,6 +1,8 @@
 """What all tests share: tables put back after each test."""
+import numpy as np
 import pytest
 
+from addon.baking import weights
 from addon.brdf import tables
 
 
@@ -10,3 +12,10 @@ def table_folder(tmp_path):
     tables.use_folder(tmp_path)
     yield tmp_path
     tables.use_folder()
+
+
+@pytest.fixture
+def no_weights(monkeypatch):
+    """Baked models get a few zeros for weights, at once, in tests that do not render."""
+    few = weights.Weights(weights.ROUND, np.zeros((1, 1)), np.zeros((0, 3)), 1, np.zeros(1))
+    monkeypatch.setattr(weights, "weights", lambda model, parameters: few)

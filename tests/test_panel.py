@@ -160,7 +160,7 @@ COLOURS = set().union(*FRESNEL.values())
 
 @pytest.mark.parametrize("model_id", brdf.MODELS)
 @pytest.mark.parametrize("in_editor", [False, True])
-def test_panel_shows_what_the_model_reads_and_nothing_else(bpy, model_id, in_editor):
+def test_panel_shows_what_the_model_reads_and_nothing_else(bpy, no_weights, model_id, in_editor):
     model = brdf.MODELS[model_id]
     material = make(model_id)
     context = context_for(bpy, material, space=shader_editor(material) if in_editor else None)
@@ -223,7 +223,7 @@ def test_linked_socket_shows_its_source_and_no_slider(bpy):
 
 
 @pytest.mark.parametrize("model_id", brdf.MODELS)
-def test_properties_are_declared_by_the_registry(bpy, model_id):
+def test_properties_are_declared_by_the_registry(bpy, no_weights, model_id):
     from addon.blender.properties import NAMES
 
     group = make(model_id).plausible_brdf

@@ -145,10 +145,8 @@ class _Lobe(_Face):
             if parameter.id != hidden and parameter.id != "use_roughness":
                 draw_parameter(layout, material, node, parameter)
             # The switch stands under what it switches.
-            if parameter.id == "roughness":
+            if parameter.id == "roughness" and "use_roughness" in by_id:
                 draw_parameter(layout, material, node, by_id["use_roughness"])
-
-
         draw_hint(layout, context, node, model)
 
 
