@@ -33,7 +33,7 @@ def with_cosine(glossy, p):
 
 register(FormulaModel(
     id="cook_torrance", label="Cook-Torrance",
-    description="Beckmann's microfacets in V-shaped grooves: off-specular peaks, too bright at grazing",
+    description="Beckmann's microfacets in V-shaped grooves: off-specular peaks, and hardly any light lost",
     parameters=SLOPE + COLOUR + DIFFUSE + ESTIMATOR, tables=(), formula="F D G / (4 N·L N·V)",
     references=(COOK, NEUMANN + ", eq. 9, 10"),
     lobe=cook_torrance, sampler=lambda p: with_cosine(HalfBeckmann(p["roughness"], p["roughness"]), p),

@@ -57,8 +57,8 @@ def declare(model_id, label, description, lobe, formula, references):
         colour=constant, diffuse=lambert, stretched=stretch))
 
 
-declare("ward", "Ward", "Elliptical highlights by one exponential. Its albedo passes 1 towards grazing", ward,
-        "exp(-tan²δ (cos²φ/m_x² + sin²φ/m_y²)) / (4π m_x m_y √(N·L N·V))", (WARD,))
+declare("ward", "Ward", "Elliptical highlights by one exponential: dark towards grazing, without bound at the horizon",
+        ward, "exp(-tan²δ (cos²φ/m_x² + sin²φ/m_y²)) / (4π m_x m_y √(N·L N·V))", (WARD,))
 declare("ward_duer", "Ward-Dür", "Ward with the factor of its own sampling: brighter at grazing, and unbounded", duer,
         "exp(-tan²δ (cos²φ/m_x² + sin²φ/m_y²)) / (4π m_x m_y N·L N·V)", (WARD, DUER))
 declare("ward_bounded", "Ward, Bounded", "Ward with an albedo that never passes 1", bounded,
