@@ -3,9 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from quadrature import view_at
-from scipy import special
-from test_literature import integral, integral_of_cones
+from test_literature import even_lights, half_vector_lights
 
 from addon.baking import weights
 from addon.brdf import MODELS
@@ -43,17 +41,17 @@ class Row:
         self.energies = energies.reshape(layout.cell_rings, layout.cell_turns, baked.channels)
 
     def base(self, light):
-        """f (N·L) of the base, (N, 3): Beckmann's microfacets with Smith's masking, by erf."""
+        """f (N·L) of the base, (N, 3): Beckmann's microfacets with Smith's masking."""
         total = light[:, 2:] / np.pi * self.diffuse
-        for x, y, width_x, width_y, *colour in self.facets:
+        for x, y, width_x, width_y, *colour in self.facets[self.facets[:, 4:].any(axis=1)]:
             for side in ((y, -y) if y and self.layout.azimuths == 1 else (y,)):
                 total = total + beckmann((x, side), (width_x, width_y), self.view, light)[:, None] * colour
         return total
 
-    def splats(self, count=2000):
+    def splats(self, count=30000):
         """Lights (N, 3) that the shader draws, on a lattice over its numbers, and the energy of each (N, channels)."""
         layout = self.layout
-        k = np.arange(count * 50)
+        k = np.arange(count)
         u, v = (k + 0.5) / len(k), (k * 0.6180339887498949) % 1.0
         side = np.ones(len(k))
         if layout.azimuths == 1:
@@ -82,7 +80,8 @@ def beckmann(slopes, widths, view, light):
 
     def masking(w):
         a = w[..., 2] / np.hypot(w[..., 0] * widths[0], w[..., 1] * widths[1])
-        return 0.5 * (special.erf(a) - 1.0 + np.exp(-a * a) / (a * np.sqrt(np.pi)))
+        # Cycles takes Walter et al.'s rational form, which is up to 1 % from the one by erf.
+        return np.where(a < 1.6, (1.0 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a), 0.0)
 
     value = d / (4.0 * v[2] * (1.0 + masking(v) + masking(np.maximum(light, [-2.0, -2.0, 1e-6]))))
     return np.where((v[2] > 0.0) & (light[:, 2] > 0.0) & (h[:, 2] > 0.0), value, 0.0)
@@ -99,33 +98,31 @@ def lights_felt(view):
 
 def errors(model, given, baked, index, scale=1.0):
     """Largest error of the integrals of a row times smooth functions of the light, in parts of the albedo."""
-    row, p = Row(baked, index), model.resolve(given)
+    row = Row(baked, index)
     light, energy = row.splats()
-    stated = np.asarray(model.albedo_from(row.view, p)).max()
-    integrate = integral_of_cones if model.id == "kajiya_kay" else (
-        lambda f, view: integral(f, view, model.width(p)))
-    worst = 0.0
-    for felt in lights_felt(row.view):
-        exact = integrate(lambda v, x, felt=felt: (model.evaluate(v, x, **given).T * felt(x)).T, row.view)
-        base = integrate(lambda v, x, felt=felt: row.base(x) / x[:, 2:] * felt(x)[:, None], row.view)
-        found = scale * base + np.einsum("n,nc->c", felt(light), energy)
-        worst = max(worst, np.abs(found - exact).max() / stated)
-    return worst
+    x, area = (even_lights if model.id == "kajiya_kay" else half_vector_lights)(row.view, model, given)
+    value = model.evaluate(row.view[None], x, **given)
+    exact = (value if value.ndim == 2 else value[:, None]) * (x[:, 2] * area)[:, None]
+    base = scale * row.base(x) * area[:, None]
+    found = [(felt(x) @ base + felt(light) @ energy, felt(x) @ exact) for felt in lights_felt(row.view)]
+    return max(np.abs(one - other).max() for one, other in found) / found[0][1].max()
 
 
 @pytest.mark.parametrize("name, given", CASES, ids=name_of)
 def test_rows_are_the_formula(name, given):
-    """Sums of base and cells feel any wide light as the formula does, within 1 % of all light.
+    """Sums of base and cells feel any wide light as the formula does, within 0.3 % of all light.
 
-    A tenth off in the base is seen: the bound is no looser than what it is for.
+    Lobes that the horizon cuts, and what reflects back, leave more to cells that are not small: 1.5 %. A few hundredths
+    off in the base are seen: the bound is no looser than what it is for.
     """
     model = MODELS[name]
+    bound = 0.015 if name in ("phong_original", "lafortune", "pumped_lafortune") else 0.003
     baked = weights.weights(model, given)
     assert baked.layout == weights.ROUND
     assert np.isfinite(baked.rows).all() and baked.rows[:, 0].min() >= 0.0
     for index in ROWS:
-        assert errors(model, given, baked, index) < 0.01, index
-    assert errors(model, given, baked, 15, scale=0.9) > 0.02
+        assert errors(model, given, baked, index) < bound, index
+    assert errors(model, given, baked, 15, scale=0.97) > bound
 
 
 @pytest.mark.parametrize("name, given", STRETCHED, ids=name_of)
@@ -182,12 +179,4 @@ def test_any_formula_has_weights():
     model = replace(MODELS["blinn_original"], id="ring", lobe=ring, width=lambda p: 0.2)
     baked = weights.weights(model, {})
     for index in ROWS:
-        row = Row(baked, index)
-        light, energy = row.splats()
-        exact = integral_of_cones(lambda v, x: model.evaluate(v, x), row.view)
-        base = integral_of_cones(lambda v, x, row=row: row.base(x)[:, 0] / x[:, 2], row.view)
-        assert base + energy.sum() == pytest.approx(exact, rel=5e-3)
-        near = integral_of_cones(lambda v, x: model.evaluate(v, x) * (x[:, 0] > 0.3), row.view)
-        base = integral_of_cones(lambda v, x, row=row: row.base(x)[:, 0] / x[:, 2] * (x[:, 0] > 0.3), row.view)
-        assert base + energy[light[:, 0] > 0.3].sum() == pytest.approx(near, abs=0.02 * exact)
-        assert view_at(row.view[2])[0] == pytest.approx(row.view[0], abs=1e-9)
+        assert errors(model, {}, baked, index) < 0.02, index

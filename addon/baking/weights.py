@@ -16,6 +16,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..brdf import quadrature
+
 STEEPEST = np.radians(89.5)  # view of the last row
 CROWDED = 1.5  # how much denser rows are towards grazing
 RINGS = 72  # of half vectors where the formula is looked at, over sin(theta_h)
@@ -26,6 +28,7 @@ OVER = 6.0  # what more it counts to be above the formula than below it
 STEPS, COARSE, SWEEPS = 14, 6, 40  # of reweighting, the same to choose by, and of coordinate descent in each
 LEAST_HEIGHT = 0.05  # of the mirrored view over the horizon, in parts of the view's, for a facet to be of use
 UNSEEN = 0.3  # share left of a direction's light above which more candidates are sought
+DETAIL = 0.3  # slope: how finely at least bases are integrated
 EVEN = 0.35  # share of rings that are spaced without regard to energy
 
 # Candidates for the base, in units of the spread of the formula's half vectors: width; and places of their middles.
@@ -119,8 +122,8 @@ class Look:
     """A formula seen from one view, on a polar grid of half vectors; of round ones on the side y >= 0.
 
     `s` (RINGS + 1,) are the rings' edges; `light`, `half` (RINGS, turns, 3), `area` (RINGS, turns) the
-    solid angle of half vectors, of both sides together. `density` (.., channels) is f (N·L) dω_L / dω_H. `amiss`
-    (channels,) is the albedo over its sum on the grid, 1 within some thousandths.
+    solid angle of half vectors, of both sides together. `density` (.., channels) is f (N·L) dω_L / dω_H.
+    `albedo` (channels,) is what its sum would be on a grid without end, and `width` how finely to look for that.
     """
 
     layout: Layout
@@ -131,7 +134,8 @@ class Look:
     lit: np.ndarray
     area: np.ndarray
     density: np.ndarray
-    amiss: np.ndarray
+    albedo: np.ndarray
+    width: float
 
     @classmethod
     def at(cls, model, p, view, layout):
@@ -141,9 +145,8 @@ class Look:
         s = _quantiles(coarse, *cls._ring_energies(model, p, view, coarse, layout), model.width(p))
         light, half, lit, area = _grid(view, s, layout.turns, layout)
         density = _density(model, p, view, light, half, lit)
-        energy = np.einsum("rt,rtc->c", area, density)
-        true = np.atleast_1d(model.albedo_from(view, p))
-        return cls(layout, view, s, light, half, lit, area, density, true / np.maximum(energy, 1e-12))
+        return cls(layout, view, s, light, half, lit, area, density, np.atleast_1d(model.albedo_from(view, p)),
+                   model.width(p))
 
     @staticmethod
     def _ring_energies(model, p, view, s, layout):
@@ -355,12 +358,27 @@ def _row(look, fitted):
         else:
             facets[at] = [*candidate[0], *candidate[1], *np.broadcast_to(rgb, 3)]
             at += 1
-    # What the grid misses of the formula it misses of the base as well, whose energy Cycles knows.
-    left = left * look.amiss
-    cells = _cells(look, left)
-    energy = np.einsum("rt,rtc->c", look.area, left).max()
-    whole = np.einsum("rt,rtc->c", look.area, look.density).max()
-    return np.concatenate([[energy], facets.ravel(), diffuse, cells]), energy / max(whole, 1e-12)
+    # The grid is coarse where the horizon cuts it: the row's energy is the albedo without what the base truly has.
+    rest = look.albedo - _base_energy(look, facets, diffuse)[: len(look.albedo)]
+    left = left * np.maximum(rest, 0.0) / np.maximum(np.einsum("rt,rtc->c", look.area, left), 1e-12)
+    energy = max(rest.max(), 0.0)
+    return np.concatenate([[energy], facets.ravel(), diffuse, _cells(look, left)]), energy / max(*look.albedo, 1e-12)
+
+
+def _base_energy(look, facets, diffuse):
+    """Albedo of a base (3,)."""
+    round_ = look.layout.azimuths == 1
+    some = [facet for facet in facets if facet[4:].any()]
+
+    def value(view, light):
+        total = np.zeros((len(light), 3))
+        for x, y, width_x, width_y, *colour in some:
+            for side in ((y, -y) if y and round_ else (y,)):
+                total += facet_value((x, side), (width_x, width_y), look.view, light)[:, None] * colour
+        return total / light[:, 2:]
+
+    return diffuse + quadrature.hemisphere(value, look.view, min(look.width, DETAIL), mirrored=round_, polar=6,
+                                           azimuthal=24)
 
 
 def _cells(look, left):
@@ -389,5 +407,18 @@ def _cells(look, left):
         edges = np.interp(np.linspace(0.0, steps[-1], layout.cell_turns + 1), steps, phi)
         turns.append(edges)
         energies.append(np.diff([np.interp(edges, phi, around[:, c]) for c in range(ring.shape[1])], axis=1).T)
-    energies = np.array(energies) * layout.cell_rings * layout.cell_turns
-    return np.concatenate([np.sqrt(edges2), np.ravel(turns), energies.ravel()])
+    rings, turns = np.sqrt(edges2), np.array(turns)
+    energies = np.array(energies) * layout.cell_rings * layout.cell_turns / _lit(look, rings, turns)[..., None]
+    return np.concatenate([rings, turns.ravel(), energies.ravel()])
+
+
+def _lit(look, rings, turns, parts=4):
+    """Share of each cell (rings, turns) whose lights are above the horizon: only there splats can hold its energy."""
+    at = (np.arange(parts) + 0.5) / parts
+    s2 = rings[:-1, None] ** 2 + np.diff(rings**2)[:, None] * at
+    phi = turns[:, :-1, None] + np.diff(turns, axis=1)[..., None] * at
+    s, phi = np.sqrt(s2)[:, None, :, None], phi[:, :, None, :]
+    x, y = s * np.cos(phi) * look.layout.stretch[0], s * np.sin(phi) * look.layout.stretch[1]
+    up = np.sqrt(np.maximum(1.0 - x * x - y * y, 0.0))
+    above = 2.0 * (x * look.view[0] + y * look.view[1] + up * look.view[2]) * up > look.view[2]
+    return np.maximum(above.mean(axis=(2, 3)), 1.0 / parts**2)

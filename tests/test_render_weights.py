@@ -1,0 +1,218 @@
+"""What Cycles renders of baked models is what their formulas say, and is an unmistakable pattern where it cannot be.
+
+As in test_render.py the truth is NumPy, bounds are two-sided and widened by five standard errors, and each test asserts
+that these are small enough to decide.
+"""
+import subprocess
+import sys
+from dataclasses import replace
+
+import bpy
+import numpy as np
+import pytest
+from test_render import FURNACE_BOUND, POINT_BOUND, SIGMAS, TOTAL_BOUND, Sun, albedo_of, cosines, node_of, plane, rgb
+
+from addon import brdf, create_material, verify
+from addon.blender import materials
+from addon.brdf.geometry import view_at
+
+pytestmark = pytest.mark.blender
+
+ANGLES = (1.0, 45.0, 70.0, 82.0)
+COPPER = {"fresnel_type": "schlick", "base_color": (0.95, 0.64, 0.54)}
+# Each model, at least once; the plain ones at the ends of their shapes.
+SHAPES = [
+    ("ward", {}), ("ward", {"roughness_u": 0.01, "roughness_v": 0.01}), ("ward", {"roughness_u": 1.0, "roughness_v": 1.0}),
+    ("ward_duer", {"diffuse_color": (0.1, 0.2, 0.3)}), ("ward_bounded", {"roughness_u": 0.4, "roughness_v": 0.4}),
+    ("cook_torrance", COPPER), ("cook_torrance", {"roughness": 0.7}), ("cosine_microfacet", {"exponent": 2.0}),
+    ("he_torrance", {}), ("he_torrance", {"sigma": 0.02, **COPPER}), ("he_torrance", {"sigma": 1.0, "tau": 3.0}),
+    ("embrechts", {"smoothness": 2.0}), ("ashikhmin_shirley", {"base_color": 0.5, "diffuse_color": 0.5}),
+    ("lafortune", {}), ("phong_original", {"exponent": 3.0}), ("blinn_original", {"exponent": 10000.0}),
+    ("blinn_fresnel", {"exponent": 12.0, **COPPER, "diffuse_color": (0.1, 0.1, 0.1)}), ("weighted_lobes", {}),
+    ("pumped_ward", {"roughness_u": 0.3}), ("pumped_ward_duer", {"pumps": 2.0}), ("pumped_cook_torrance", COPPER),
+    ("pumped_cosine_microfacet", {"exponent": 8.0}), ("pumped_he_torrance", {"pumps": 3.0}),
+    ("pumped_embrechts", {}), ("pumped_ashikhmin_shirley", {"exponent_u": 5.0}),
+    ("pumped_lafortune", {"pumps": 2.0}), ("pumped_blinn_fresnel", {"exponent": 1.0, "pumps": 1.0}),
+]
+
+
+def name_of(value):
+    return str(value) if not isinstance(value, dict) else " ".join(f"{k}={v}" for k, v in value.items()) or "default"
+
+
+def test_every_baked_model_is_rendered():
+    assert {name for name, _ in SHAPES + STRETCHED} == {name for name, m in brdf.MODELS.items() if m.baked}
+
+
+def held(model, given, bound=FURNACE_BOUND):
+    """Furnace against the quadrature, in parts of the albedo where that passes 1; the largest error."""
+    measured, noise = albedo_of(create_material(model, **given), ANGLES)
+    reference = rgb(brdf.MODELS[model].albedo(cosines(ANGLES), **given))
+    scale = np.maximum(reference, 1.0)
+    error, noise = (measured - reference) / scale, noise / scale
+    assert noise.max() <= 0.5 * bound, f"too noisy to decide: {noise.max():.2g}"
+    assert (np.abs(error) <= bound + SIGMAS * noise).all(), np.round(error[:, 1], 5)
+    return error
+
+
+@pytest.mark.parametrize("model, given", SHAPES, ids=name_of)
+def test_furnace(model, given):
+    held(model, given)
+
+
+STRETCHED = [
+    ("ward", {"roughness_u": 0.3, "roughness_v": 0.08}), ("ashikhmin_shirley", {"exponent_u": 10.0, "exponent_v": 150.0}),
+    ("kajiya_kay", {"exponent": 20.0}),
+]
+
+
+@pytest.mark.parametrize("model, given", STRETCHED, ids=name_of)
+def test_furnace_of_stretched_lobes(model, given):
+    held(model, given, 0.01 if model == "kajiya_kay" else 5e-3)
+
+
+SUNS = [("ward", {}, 0.01), ("cook_torrance", {"roughness": 0.7}, 0.025), ("he_torrance", {}, 0.01),
+        ("ashikhmin_shirley", {"base_color": 0.5, "diffuse_color": (0.5, 0.3, 0.1)}, 0.02),
+        ("lafortune", {}, 0.025), ("pumped_ward", {}, 0.01), ("pumped_cosine_microfacet", {"exponent": 100.0}, 0.01)]
+
+
+@pytest.mark.parametrize("model, given, bound", SUNS, ids=name_of)
+def test_sphere_under_a_sun(model, given, bound):
+    report = Sun(create_material(model, **given), lambda view, light: brdf.MODELS[model].evaluate(view, light, **given),
+                 (0.0, 40.0, 65.0, 80.0), 40)
+    assert report.l1().max() <= bound, report
+    assert (np.abs(report.total()) <= 2.0 * TOTAL_BOUND + SIGMAS * report.noise()).all(), report
+
+
+@pytest.mark.parametrize("view_deg", [5.0, 50.0])
+@pytest.mark.parametrize("turned", [False, True])
+def test_tangent_turns_the_lobe(turned, view_deg):
+    """A linked tangent along y is a model whose widths are swapped; point by point, in and beside the plane."""
+    given = {"roughness_u": 0.3, "roughness_v": 0.08}
+    material = create_material("ward", **given)
+    if turned:
+        nodes = material.node_tree.nodes
+        vector = nodes.new("ShaderNodeCombineXYZ")
+        vector.inputs[1].default_value = 1.0
+        socket = next(s for s in node_of(material).inputs if s.identifier == "tangent")
+        material.node_tree.links.new(vector.outputs[0], socket)
+    lights = np.concatenate([verify.in_plane([view_deg - 20.0, view_deg, view_deg + 15.0]),
+                             verify.across_lobe(view_deg, (5.0, 15.0))])
+    view = view_at(cosines([view_deg]))
+    f, noise = verify.goniometer(material, view_deg, lights, samples=512)
+
+    def expected(along, across):
+        return brdf.MODELS["ward"].evaluate(view, lights, roughness_u=along, roughness_v=across) * lights[:, 2]
+
+    straight, other = expected(0.3, 0.08), expected(0.08, 0.3)
+    reference, wrong = (other, straight) if turned else (straight, other)
+    found, noise = f[:, 1] * lights[:, 2], noise[:, 1] * lights[:, 2]
+    assert noise.max() <= 0.5 * POINT_BOUND * reference.max()
+    assert (np.abs(found - reference) <= POINT_BOUND * reference.max() + SIGMAS * noise).all()
+    assert np.abs(found - wrong).max() > 0.2 * reference.max()
+
+
+def test_a_mirror_spike_mirrors():
+    """Nearly smooth, He and Torrance's surface shows a lamp as a mirror does: bright, and as sharp as the lamp."""
+    p = {"sigma": 0.02}
+    model = brdf.MODELS["he_torrance"]
+    strength = model.spike(cosines([40.0]), model.resolve(p))[0, 0]
+    assert 0.5 < strength < 0.95
+    pixels = plane(create_material("he_torrance", **p), 40.0, samples=64)
+    assert pixels.mean() == pytest.approx(model.albedo(cosines([40.0]), **p)[0, 0], abs=4e-3)
+    rough = plane(create_material("he_torrance", sigma=0.3), 40.0, samples=64)
+    assert abs(rough.mean() - pixels.mean()) > 0.003 or strength > 0.5
+
+
+# Values that the weights are not for.
+
+
+def picture_of(material):
+    return plane(material, 30.0, samples=4, resolution=64)
+
+
+def is_striped(pixels):
+    """Stripes of one colour and none: nothing that a reflectance makes of an even sky."""
+    return pixels.std() > 0.3 * pixels.mean()
+
+
+def test_stale_weights_are_striped():
+    """Values that were written behind our back, and links, cannot be followed: nobody takes what is shown for them."""
+    material = create_material("cook_torrance", roughness=0.2)
+    node = node_of(material)
+    assert not is_striped(picture_of(material)) and not materials.is_stale(node)
+    socket = next(s for s in node.inputs if s.identifier == "roughness")
+    socket.default_value = 0.3
+    assert is_striped(picture_of(material)) and materials.is_stale(node)
+    materials.bake_weights(node)
+    assert not is_striped(picture_of(material)) and not materials.is_stale(node)
+    value = material.node_tree.nodes.new("ShaderNodeValue")
+    value.outputs[0].default_value = 0.35
+    material.node_tree.links.new(value.outputs[0], socket)
+    assert is_striped(picture_of(material))
+    assert materials.driven(node) == ["Slope m"]
+
+
+def test_values_are_followed():
+    """What is set through the panel's properties, a preset or another model renders as its formula at once."""
+    material = create_material("blinn_fresnel", exponent=200.0, base_color=0.5)
+    material.plausible_brdf.exponent = 10.0
+    albedo = brdf.MODELS["blinn_fresnel"].albedo(cosines([60.0]), exponent=10.0, base_color=0.5)
+    assert plane(material, 60.0, samples=64).mean() == pytest.approx(float(np.mean(albedo)), abs=4e-3)
+    materials.change_model(material, "cosine_microfacet")
+    albedo = brdf.MODELS["cosine_microfacet"].albedo(cosines([60.0]), exponent=10.0, base_color=0.5)
+    assert plane(material, 60.0, samples=64).mean() == pytest.approx(float(np.mean(albedo)), abs=4e-3)
+    materials.change_model(material, "pumped_phong")
+    assert not materials.is_stale(materials.script_node(material)) and not is_striped(picture_of(material))
+
+
+READER = """
+import sys
+import bpy
+bpy.ops.wm.open_mainfile(filepath=sys.argv[1])
+scene = bpy.context.scene
+scene.render.filepath = sys.argv[2]
+bpy.ops.render.render(write_still=True)
+"""
+
+
+def test_a_saved_material_needs_no_extension(tmp_path):
+    """A fresh process without the package renders from the .blend alone what was rendered here."""
+    from addon.brdf import exr
+
+    material = create_material("pumped_ward", base_color=(0.9, 0.5, 0.2))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    material = create_material("pumped_ward", base_color=(0.9, 0.5, 0.2))
+    scene = bpy.context.scene
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    bpy.context.object.data.materials.append(material)
+    bpy.ops.object.camera_add(location=(0.0, -4.0, 0.0), rotation=(np.pi / 2.0, 0.0, 0.0))
+    scene.camera = bpy.context.object
+    bpy.ops.object.light_add(type="SUN", rotation=(0.7, 0.3, 0.0))
+    scene.render.engine, scene.cycles.device, scene.cycles.shading_system = "CYCLES", "CPU", True
+    scene.cycles.samples, scene.cycles.use_denoising = 16, False
+    scene.render.resolution_x = scene.render.resolution_y = 48
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+    here, there = tmp_path / "here.exr", tmp_path / "there.exr"
+    scene.render.filepath = str(here)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    bpy.ops.render.render(write_still=True)
+    script = tmp_path / "read.py"
+    script.write_text(READER)
+    done = subprocess.run([sys.executable, "-I", str(script), str(tmp_path / "a.blend"), str(there)], cwd=tmp_path,
+                          capture_output=True, text=True)
+    assert there.exists(), done.stderr
+    one, other = (exr.read(path)[0] for path in (here, there))
+    np.testing.assert_allclose(one, other, atol=1e-5)
+    assert one.max() > 0.1
+
+
+def test_a_formula_of_anyones(monkeypatch):
+    """A function in NumPy, put into the registry, and no line of OSL."""
+    def sheen(view, light, p):
+        return 0.3 * (1.0 - (view * light).sum(axis=1) ** 2)
+
+    model = replace(brdf.MODELS["blinn_original"], id="sheen", label="Sheen", lobe=sheen, width=lambda p: 0.7)
+    monkeypatch.setitem(brdf.MODELS, "sheen", model)
+    held("sheen", {})
