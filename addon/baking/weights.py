@@ -22,13 +22,14 @@ STEEPEST = np.radians(89.5)  # view of the last row
 CROWDED = 1.5  # how much denser rows are towards grazing
 RINGS = 72  # of half vectors where the formula is looked at, over sin(theta_h)
 SPIKES = 8  # mirror colours from one row to the next: they change faster than lobes
-FACETS = 12  # base microfacets of a row; those off the plane of incidence come in pairs
+FACETS = 16  # base microfacets of a row; those off the plane of incidence come in pairs
 FACET = 7  # numbers of each: its slopes along x and y, its widths along x and y, its colour
-OVER = 6.0  # what more it counts to be above the formula than below it
+OVER = 9.0  # what more it counts to be above the formula than below it
 STEPS, COARSE, SWEEPS = 14, 6, 40  # of reweighting, the same to choose by, and of coordinate descent in each
 LEAST_HEIGHT = 0.05  # of the mirrored view over the horizon, in parts of the view's, for a facet to be of use
 UNSEEN = 0.3  # share left of a direction's light above which more candidates are sought
 DETAIL = 0.3  # slope: how finely at least bases are integrated
+FINE = 0.35  # share of cells' edges that are spaced without regard to what is left over
 EVEN = 0.35  # share of rings that are spaced without regard to energy
 
 # Candidates for the base, in units of the spread of the formula's half vectors: width; and places of their middles.
@@ -384,8 +385,9 @@ def _base_energy(look, facets, diffuse):
 def _cells(look, left):
     """Edges of rings (rings + 1), of cells around each (rings, turns + 1), energies (rings, turns, channels), flat.
 
-    Rings have equal energy in the strongest channel, and so have the cells of a ring. The energies are those of both
-    sides of the plane of incidence, times the number of cells.
+    Rings, and the cells of a ring, are cut where the strongest channel has energy, but are nowhere wide: what a cell
+    holds is spread evenly over it. The energies are those of both sides of the plane of incidence, times the number of
+    cells.
     """
     layout = look.layout
     energy = look.area[..., None] * left
@@ -394,7 +396,8 @@ def _cells(look, left):
     by_ring = before[..., strongest].sum(axis=1)
     if not by_ring[-1] > 0.0:
         by_ring = np.linspace(0.0, 1.0, RINGS + 1)
-    edges2 = np.interp(np.linspace(0.0, 1.0, layout.cell_rings + 1), by_ring / by_ring[-1], look.s**2)
+    share = (1.0 - FINE) * by_ring / by_ring[-1] + FINE * np.linspace(0.0, 1.0, RINGS + 1)
+    edges2 = np.interp(np.linspace(0.0, 1.0, layout.cell_rings + 1), share, look.s**2)
     at = np.stack([[np.interp(edges2, look.s**2, before[:, t, c]) for t in range(energy.shape[1])]
                    for c in range(energy.shape[2])], axis=-1)  # (turns, edges, c)
     turns, energies = [], []
@@ -403,7 +406,7 @@ def _cells(look, left):
         around = np.concatenate([np.zeros((1, ring.shape[1])), np.cumsum(ring, axis=0)])
         total = around[-1, strongest]
         steps = around[:, strongest] / total if total > 0.0 else phi / phi[-1]
-        steps = steps + 1e-9 * phi  # of a flat part, any place
+        steps = (1.0 - FINE) * steps + FINE * phi / phi[-1]
         edges = np.interp(np.linspace(0.0, steps[-1], layout.cell_turns + 1), steps, phi)
         turns.append(edges)
         energies.append(np.diff([np.interp(edges, phi, around[:, c]) for c in range(ring.shape[1])], axis=1).T)
