@@ -137,9 +137,10 @@ closure color weights_splat(Frame f, float w[], int row, float u, float v, color
         color weight = share * weights_colour(w, row + W_ENERGY + W_CHANNELS * (W_AROUND * i + j));
         // Lights move twice as fast as half vectors: little of a splat may reach below the horizon.
         float most = max(0.25 * height, NARROWEST);
-        // The ellipse that two sides of the cell span, of half vectors.
+        // The ellipse that two sides of the cell span, of half vectors. About the middle of rings cells end in a point:
+        // splats as narrow as that would all pile up there.
         vector a = spread * SPLAT * (high - low) * on_sphere(h, out);
-        vector b = spread * SPLAT * s * (w[edge + 1] - w[edge]) * on_sphere(h, turned);
+        vector b = spread * SPLAT * max(s, 0.7 * high) * (w[edge + 1] - w[edge]) * on_sphere(h, turned);
         vector e1 = normalize(dot(a, a) > dot(b, b) ? a : b);
         vector e2 = cross(h, e1);
         float xx = dot(a, e1) * dot(a, e1) + dot(b, e1) * dot(b, e1);
