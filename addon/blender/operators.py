@@ -1,4 +1,5 @@
 """Operators: new materials, metals, switching OSL on, and baking the albedo tables."""
+import functools
 import time
 
 import bpy
@@ -11,6 +12,19 @@ from .properties import MODEL_ITEMS
 _PRESET_ITEMS = [(name, preset.label, preset.help, i) for i, (name, preset) in enumerate(PRESETS.items())]
 _METAL_ITEMS = [(name, metal.label, metal.reference, i) for i, (name, metal) in enumerate(METALS.items())]
 _TICK = 0.1  # seconds between two looks at a bake
+
+
+def _reporting(execute):
+    """An operator's `execute` that reports what a user or a file can get wrong, and is then cancelled."""
+    @functools.wraps(execute)
+    def reported(self, context):
+        try:
+            return execute(self, context)
+        except (RuntimeError, ValueError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+
+    return reported
 
 
 def material_of(context):
@@ -61,12 +75,9 @@ class PLAUSIBLE_OT_new_material(bpy.types.Operator):
             return False
         return _osl_works(cls)
 
+    @_reporting
     def execute(self, context):
-        try:
-            material = materials.create_material(self.model)
-        except (RuntimeError, ValueError, OSError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        material = materials.create_material(self.model)
         _put_on(context.object, material)
         if materials.use_osl(context.scene):
             self.report({"INFO"}, f"{material.name}: Open Shading Language is now on for this scene")
@@ -114,6 +125,7 @@ class PLAUSIBLE_OT_set_metal(bpy.types.Operator):
     def poll(cls, context):
         return _shows_ours(context)
 
+    @_reporting
     def execute(self, context):
         node, model = plausible_node(material_of(context))
         metal = METALS[self.metal]
@@ -150,12 +162,9 @@ class PLAUSIBLE_OT_apply_preset(bpy.types.Operator):
     def poll(cls, context):
         return _shows_ours(context)
 
+    @_reporting
     def execute(self, context):
-        try:
-            materials.apply_preset(material_of(context), PRESETS[self.preset])
-        except (RuntimeError, ValueError, OSError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        materials.apply_preset(material_of(context), PRESETS[self.preset])
         return {"FINISHED"}
 
 
@@ -170,12 +179,9 @@ class PLAUSIBLE_OT_bake_weights(bpy.types.Operator):
     def poll(cls, context):
         return _shows_ours(context)
 
+    @_reporting
     def execute(self, context):
-        try:
-            materials.bake_weights(plausible_node(material_of(context))[0])
-        except (RuntimeError, ValueError, OSError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        materials.bake_weights(plausible_node(material_of(context))[0])
         return {"FINISHED"}
 
 
@@ -309,14 +315,11 @@ class PLAUSIBLE_OT_update_materials(bpy.types.Operator):
     def poll(cls, context):
         return _osl_works(cls)
 
+    @_reporting
     def execute(self, context):
         updated = [m for m in bpy.data.materials if m.is_editable and plausible_node(m)[1] is not None]
-        try:
-            for material in updated:
-                materials.rebuild(material)
-        except (RuntimeError, ValueError, OSError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        for material in updated:
+            materials.rebuild(material)
         self.report({"INFO"}, f"{len(updated)} materials updated")
         return {"FINISHED"}
 
