@@ -207,43 +207,48 @@ def rebuild(material):
 
 def change_model(material, model_id: str):
     """Turn a material into another model; the values and links of the parameters that both have stay."""
+    _exchange(material, model_id)
+    update_stand_in(material)
+
+
+def _exchange(material, model_id, given=None):
+    """`change_model` without the stand-in; returns the new node. `given` are values to put in place of the old ones."""
     old = script_node(material)
     if old is None:
         raise ValueError(f"{material.name!r} has no Plausible BRDF node")
     if model_id not in brdf.MODELS:
         raise ValueError(f"no model {model_id!r}; there are {', '.join(brdf.MODELS)}")
     tree, model = material.node_tree, brdf.MODELS[model_id]
-    new = osl.add_script_node(tree, model, old.get(osl.LUT_KEY, source.COMPILED))
+    both = [p for p in model.parameters if socket_of(old, p) is not None]
+    kept = {p.id: p.clamp(get_value(old, p)) for p in both if p.evaluated}
+    # What is baked is baked once, for the values that the node is going to have.
+    new = osl.add_script_node(tree, model, old.get(osl.LUT_KEY, source.COMPILED), kept if given is None else given)
     new.location = old.location
-    for parameter in model.parameters:
+    for parameter in both:
         source_socket = socket_of(old, parameter)
-        if source_socket is None:
-            continue
         socket_of(new, parameter).default_value = source_socket.default_value
         for link in list(source_socket.links):
             tree.links.new(link.from_socket, socket_of(new, parameter))
+    for key, value in (given or {}).items():
+        _write(new, model.parameter(key), value)
     for link in list(old.outputs["BSDF"].links):
         tree.links.new(new.outputs["BSDF"], link.to_socket)
     name = old.name
     tree.nodes.remove(old)
     new.name = name
-    if model.baked:
-        bake_weights(new)
-    update_stand_in(material)
+    _note_values(new)
+    return new
 
 
 def apply_preset(material, preset):
     """Turn a material into a `brdf.presets.Preset`: its model, and every parameter that the formula takes."""
+    given = {p.id: preset.parameters.get(p.id, p.default) for p in brdf.MODELS[preset.model].parameters if p.evaluated}
     node = script_node(material)
     if node is None or model_of(node).id != preset.model:
-        change_model(material, preset.model)
-        node = script_node(material)
-    for parameter in model_of(node).parameters:
-        if parameter.evaluated:
-            _write(node, parameter, preset.parameters.get(parameter.id, parameter.default))
-    if is_stale(node):
-        bake_weights(node)
-    update_stand_in(material)
+        _exchange(material, preset.model, given)
+        update_stand_in(material)
+    else:
+        set_values(node, {model_of(node).parameter(key): value for key, value in given.items()})
 
 
 def use_osl(scene) -> bool:
