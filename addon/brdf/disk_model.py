@@ -5,6 +5,9 @@ import numpy as np
 
 from . import disk, fresnel, tables
 from .registry import Model
+from .samplers import Cosine
+
+COSINE = Cosine()
 
 
 @dataclass(frozen=True)
@@ -108,7 +111,7 @@ class DiskModel(Model):
             last = i == len(parts) - 1
             chosen = (u[:, 0] >= low) & (last | (u[:, 0] < low + chance))
             again = np.stack([np.clip((u[:, 0] - low) / np.maximum(chance, 1e-300), 1e-300, 1.0), u[:, 1]], axis=-1)
-            drawn = _cosine(again) if lump is None else self.projection.light(view, lump.sample(again))
+            drawn = COSINE.sample(view, again) if lump is None else self.projection.light(view, lump.sample(again))
             light[chosen] = drawn[chosen]
             low = low + chance
         return light
@@ -119,7 +122,7 @@ class DiskModel(Model):
         total = 0.0
         for chance, lump in self._parts(view, p):
             if lump is None:
-                total = total + chance * np.maximum(light[:, 2], 0.0) / np.pi
+                total = total + chance * COSINE.pdf(view, light)
             else:
                 total = total + chance * lump.density(point) * density
         return total
@@ -137,8 +140,3 @@ class DiskModel(Model):
 def _above(view):
     """Views lifted off the horizon, where disks have no inside."""
     return np.concatenate([view[:, :2], np.maximum(view[:, 2:], 1e-9)], axis=1)
-
-
-def _cosine(u):
-    radius, phi = np.sqrt(1.0 - u[:, 0]), 2.0 * np.pi * u[:, 1]
-    return np.stack([radius * np.cos(phi), radius * np.sin(phi), np.sqrt(u[:, 0])], axis=-1)

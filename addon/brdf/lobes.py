@@ -3,6 +3,7 @@ import numpy as np
 
 from . import disk
 from .geometry import around, dot, half, mirror, reflect
+from .samplers import AxisPower
 
 TWO_PI = 2.0 * np.pi
 
@@ -22,12 +23,12 @@ class PhongLobe:
     @staticmethod
     def pdf(view, light, n):
         """Density of `sample` in 1/sr over the whole sphere, shape (N,)."""
-        return (n + 1.0) / TWO_PI * np.maximum(dot(mirror(view), light), 0.0) ** n
+        return AxisPower(mirror, n).pdf(view, light)
 
     @staticmethod
     def sample(view, u, n):
         """Directions (N, 3) with the density `pdf` from uniform numbers `u` (N, 2); some lie below the horizon."""
-        return around(mirror(view), u[:, 0] ** (1.0 / (n + 1.0)), TWO_PI * u[:, 1])
+        return AxisPower(mirror, n).sample(view, u)
 
     @staticmethod
     def value_of_angles(across2, mu_view, mu_light, n):

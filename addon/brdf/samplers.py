@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from .geometry import around, dot, half, reflect
+from .microfacet import beckmann
 
 TWO_PI = 2.0 * np.pi
-NORMAL = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True)
@@ -67,9 +67,7 @@ class HalfBeckmann(_HalfVector):
         return h / np.linalg.norm(h, axis=-1, keepdims=True)
 
     def density(self, h):
-        z = np.maximum(h[:, 2], 1e-9)
-        slope2 = (h[:, 0] / (z * self.mx)) ** 2 + (h[:, 1] / (z * self.my)) ** 2
-        return np.exp(-slope2) / (np.pi * self.mx * self.my * z**3)
+        return beckmann(h, self.mx, self.my) * h[:, 2]
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,7 @@
 """Embrechts' model of lighting engineering."""
-import numpy as np
-
 from ..formula_model import FormulaModel, factor, lambert
 from ..geometry import half
-from ..microfacet import smith_beckmann
+from ..microfacet import beckmann, smith_beckmann
 from ..parameters import COLOUR, DIFFUSE, ESTIMATOR, SMOOTHNESS
 from ..registry import register
 from ..samplers import HalfBeckmann
@@ -19,11 +17,9 @@ def lobe(view, light, p):
     The attenuation C is taken as s²/(4 pi) times Smith's masking of Gaussian slopes in both directions, which depends
     on the material's s, as the source says that it does without giving its form.
     """
-    s = p["smoothness"]
-    z = np.maximum(half(view, light)[:, 2], 1e-9)
-    tan2 = 1.0 / (z * z) - 1.0
-    c = s * s / (4.0 * np.pi) * smith_beckmann(view[:, 2], 1.0 / s) * smith_beckmann(light[:, 2], 1.0 / s)
-    return p["scattering"] * c * np.exp(-s * s * tan2) / (view[:, 2] * light[:, 2] * z**4)
+    m = 1.0 / p["smoothness"]
+    masking = smith_beckmann(view[:, 2], m) * smith_beckmann(light[:, 2], m)
+    return p["scattering"] * masking * beckmann(half(view, light), m) / (4.0 * view[:, 2] * light[:, 2])
 
 
 register(FormulaModel(
