@@ -79,7 +79,7 @@ def beckmann(slopes, widths, view, light):
     d /= np.pi * widths[0] * widths[1] * np.maximum(h[:, 2], 1e-3) ** 4
 
     def masking(w):
-        a = w[..., 2] / np.hypot(w[..., 0] * widths[0], w[..., 1] * widths[1])
+        a = w[..., 2] / np.maximum(np.hypot(w[..., 0] * widths[0], w[..., 1] * widths[1]), 1e-9)
         # Cycles takes Walter et al.'s rational form, which is up to 1 % from the one by erf.
         return np.where(a < 1.6, (1.0 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a), 0.0)
 

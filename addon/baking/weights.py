@@ -176,14 +176,19 @@ def _grid(view, s, turns, layout):
     middle2 = 0.5 * (s[1:] ** 2 + s[:-1] ** 2)
     ring, phi = np.meshgrid(np.sqrt(middle2), (np.arange(turns) + 0.5) / turns * layout.around,
                             indexing="ij")
-    x, y = ring * np.cos(phi) * layout.stretch[0], ring * np.sin(phi) * layout.stretch[1]
-    up = np.sqrt(np.maximum(1.0 - x * x - y * y, 0.0))
-    half = np.stack([x, y, up], axis=-1)
+    half = _half_vectors(layout, ring, phi)
+    up = half[..., 2]
     view_half = half @ view
     light = 2.0 * view_half[..., None] * half - view
     lit = (view_half > 1e-6) & (light[..., 2] > 1e-9) & (up > 1e-3)
     area = np.pi / turns * (s[1:] ** 2 - s[:-1] ** 2)[:, None] * np.prod(layout.stretch) / np.maximum(up, 1e-3)
     return light, half, lit, area
+
+
+def _half_vectors(layout, s, phi):
+    """Half vectors (..., 3) at the size `s` of their ring and the azimuth `phi` on it, which broadcast."""
+    x, y = s * np.cos(phi) * layout.stretch[0], s * np.sin(phi) * layout.stretch[1]
+    return np.stack([x, y, np.sqrt(np.maximum(1.0 - x * x - y * y, 0.0))], axis=-1)
 
 
 def _density(model, p, view, light, half, lit):
@@ -218,6 +223,14 @@ def facet_value(slopes, widths, view, light):
     cos2 = np.maximum(h[..., 2], 0.0) ** 2 / np.maximum((h * h).sum(axis=-1), 1e-18)
     d = np.exp(-slope2) / (np.pi * widths[0] * widths[1] * np.maximum(cos2, 1e-9) ** 2)
     return np.where(seen, d / (4.0 * v[2] * (1.0 + _lambda(v, widths) + _lambda(lit, widths))), 0.0)
+
+
+def _sides_value(look, slopes, widths, light):
+    """`facet_value`; of a round formula's facets off the plane of incidence, that of the pair on either side of it."""
+    value = facet_value(slopes, widths, look.view, light)
+    if slopes[1] and look.layout.azimuths == 1:
+        value = value + facet_value((slopes[0], -slopes[1]), widths, look.view, light)
+    return value
 
 
 def _lambda(direction, widths):
@@ -260,12 +273,7 @@ def _mirrors(view, slopes):
 def _shown(look, candidates):
     """Densities of the candidates, pairs together, and of a diffuse closure last: (candidates + 1, RINGS, turns)."""
     stretch = np.where(look.lit, 4.0 * np.maximum(look.half @ look.view, 0.0), 0.0)
-    found = []
-    for slopes, widths in candidates:
-        value = facet_value(slopes, widths, look.view, look.light)
-        if slopes[1] and look.layout.azimuths == 1:
-            value = value + facet_value((slopes[0], -slopes[1]), widths, look.view, look.light)
-        found.append(value * stretch)
+    found = [_sides_value(look, slopes, widths, look.light) * stretch for slopes, widths in candidates]
     found.append(np.where(look.lit, look.light[..., 2] / np.pi, 0.0) * stretch)
     return np.array(found)
 
@@ -368,18 +376,16 @@ def _row(look, fitted):
 
 def _base_energy(look, facets, diffuse):
     """Albedo of a base (3,)."""
-    round_ = look.layout.azimuths == 1
     some = [facet for facet in facets if facet[4:].any()]
 
     def value(view, light):
         total = np.zeros((len(light), 3))
-        for x, y, width_x, width_y, *colour in some:
-            for side in ((y, -y) if y and round_ else (y,)):
-                total += facet_value((x, side), (width_x, width_y), look.view, light)[:, None] * colour
+        for facet in some:
+            total += _sides_value(look, facet[:2], facet[2:4], light)[:, None] * facet[4:]
         return total / light[:, 2:]
 
-    return diffuse + quadrature.hemisphere(value, look.view, min(look.width, DETAIL), mirrored=round_, polar=6,
-                                           azimuthal=24)
+    return diffuse + quadrature.hemisphere(value, look.view, min(look.width, DETAIL),
+                                           mirrored=look.layout.azimuths == 1, polar=6, azimuthal=24)
 
 
 def _cells(look, left):
@@ -420,8 +426,6 @@ def _lit(look, rings, turns, parts=4):
     at = (np.arange(parts) + 0.5) / parts
     s2 = rings[:-1, None] ** 2 + np.diff(rings**2)[:, None] * at
     phi = turns[:, :-1, None] + np.diff(turns, axis=1)[..., None] * at
-    s, phi = np.sqrt(s2)[:, None, :, None], phi[:, :, None, :]
-    x, y = s * np.cos(phi) * look.layout.stretch[0], s * np.sin(phi) * look.layout.stretch[1]
-    up = np.sqrt(np.maximum(1.0 - x * x - y * y, 0.0))
-    above = 2.0 * (x * look.view[0] + y * look.view[1] + up * look.view[2]) * up > look.view[2]
+    half = _half_vectors(look.layout, np.sqrt(s2)[:, None, :, None], phi[:, :, None, :])
+    above = 2.0 * (half @ look.view) * half[..., 2] > look.view[2]
     return np.maximum(above.mean(axis=(2, 3)), 1.0 / parts**2)

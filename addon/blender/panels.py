@@ -123,9 +123,10 @@ class _Main(_Face):
 
 def draw_weights(layout, context, node):
     """What is amiss with the weights of a baked model: links that they cannot follow, values that they are not for."""
-    if driven(node):
+    links = driven(node)
+    if links:
         draw_text(layout.box(), context, "This model is baked for one value of each parameter and cannot follow what "
-                                         f"is plugged into {', '.join(driven(node))}: it renders striped", "ERROR")
+                                         f"is plugged into {', '.join(links)}: it renders striped", "ERROR")
     elif is_stale(node):
         box = layout.box()
         draw_text(box, context, "The weights are for other values", "TIME")
