@@ -52,7 +52,7 @@ SCENES = {
         "furnace", "invisible_spheres.png", "invisible_spheres.blend", "Invisible spheres in stock Cycles",
         "In a constant environment, after figure 2 of Edwards et al. Lobes of about one width (Blinn exponent 20).\n"
         "Where a model neither loses nor makes light, its sphere cannot be seen. No denoising.",
-        1, (720, 480), 96),
+        1, (960, 480), 96),
 }
 
 
@@ -64,7 +64,7 @@ def add_arguments(parser):
     parser.add_argument("--samples", type=_count, metavar="N",
                         help="samples per pixel, at most (default 64; spheres 48, furnace 96)")
     parser.add_argument("--resolution", type=_resolution, metavar="WxH",
-                        help="size of each panel (default 480x360; spheres 640x480, road 640x368, furnace 720x480)")
+                        help="size of each panel (default 480x360; spheres 640x480, road 640x368, furnace 960x480)")
     parser.add_argument("--save-blend", type=Path, nargs="?", const=SAVE_THERE, metavar="FILE",
                         help="only write the scene, dressed as the last panel (default its own file in demo_blends)")
 

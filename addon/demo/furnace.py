@@ -7,20 +7,17 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-import bpy
-
 from . import parts, picture
 
-RESOLUTION = (720, 480)
-CAPTION = "All six are white: what is darker than the background lost light, what is brighter made it"
+RESOLUTION = (960, 480)
+CAPTION = "All eight are white: what is darker than the background lost light, what is brighter made it"
 RADIUS = 0.76
-COLUMNS, ROWS = (-2.0, 0.0, 2.0), (1.14, -0.84)  # x and z of the spheres
-LABEL_DROP, LABEL_SIZE = 0.96, 0.19  # below a sphere's centre
-VIEW_WIDTH = 6.0
+COLUMNS, ROWS = (-3.0, -1.0, 1.0, 3.0), (1.14, -0.84)  # x and z of the spheres
+LABEL_DROP, LABEL_SIZE = 0.96, 0.165  # below a sphere's centre
+VIEW_WIDTH = 8.0
 BACKGROUND = 0.6  # radiance: light gray on screen, with room above for a sphere that makes light
 EXPONENT = 20.0  # of (N·H)^n; all lobes are about as wide at normal incidence
-# Cycles squares its roughness to the microfacets' alpha, and n = 2 / alpha^2 - 2.
-ROUGHNESS = (2.0 / (EXPONENT + 2.0)) ** 0.25
+SLOPE = math.sqrt(2.0 / (EXPONENT + 2.0))  # of Beckmann's distribution (Walter et al. 2007, section 5.2)
 # On the disk, h is near tan(theta_h) by the scaling and 2 sin(theta_h) by the orthogonal projection.
 SCALING_EXPONENT, ORTHOGONAL_EXPONENT = EXPONENT / 2.0, EXPONENT / 8.0
 FIT = {"base_color": 1.0, "f90": 1.0, "exponent": ORTHOGONAL_EXPONENT, "radius": 1.0, "blend": 0.0, "samples": 8}
@@ -28,22 +25,23 @@ FIT = {"base_color": 1.0, "f90": 1.0, "exponent": ORTHOGONAL_EXPONENT, "radius":
 
 @dataclass(frozen=True)
 class Sphere:
-    """A sphere of a `model` of this package with `parameters`, or of one of Cycles' own microfacet distributions."""
+    """A sphere of a `model` with `parameters`."""
 
     label: str
-    model: str = ""
+    model: str
     parameters: dict = field(default_factory=dict)
-    distribution: str = ""
 
 
 SPHERES = (
-    Sphere("Ashikhmin-Shirley", distribution="ASHIKHMIN_SHIRLEY"),
+    Sphere("Ward", "ward", {"roughness_u": SLOPE, "roughness_v": SLOPE}),
+    Sphere("Ashikhmin-Shirley", "ashikhmin_shirley", {"exponent_u": EXPONENT, "exponent_v": EXPONENT}),
     Sphere("Blinn-Phong", "blinn", {"exponent": EXPONENT}),
-    Sphere("Cook-Torrance", distribution="BECKMANN"),
+    Sphere("Cook-Torrance", "cook_torrance", {"roughness": SLOPE}),
     Sphere("Edwards fit, raw", "edwards_fit", {**FIT, "renormalize": False}),
     Sphere("Edwards fit, renormalized", "edwards_fit", FIT),
     Sphere("Edwards empirical", "edwards_empirical",
            {"base_color": 1.0, "diffuse_color": 0.0, "exponent": SCALING_EXPONENT}),
+    Sphere("Reciprocal disk, pumped", "reciprocal_disk", {"exponent": SCALING_EXPONENT}),
 )
 
 
@@ -54,6 +52,8 @@ def captions() -> list:
 
 def build(resolution=RESOLUTION):
     """Empty the file, build and dress the scene with `resolution` (width, height) and return it."""
+    from .. import create_material
+
     scene = parts.empty_scene("Furnace", resolution)
     ink = parts.matte("Letters", (0.0, 0.0, 0.0))
     parts.gradient_sky(scene, {0.0: (BACKGROUND,) * 3, 1.0: (BACKGROUND,) * 3})
@@ -61,12 +61,12 @@ def build(resolution=RESOLUTION):
     scene.world.cycles.sampling_method = "NONE"
     mesh = None
     for index, sphere in enumerate(SPHERES):
-        x, z = COLUMNS[index % 3], ROWS[index // 3]
+        x, z = COLUMNS[index % len(COLUMNS)], ROWS[index // len(COLUMNS)]
         body = parts.ball(scene, f"Sphere {sphere.label}", RADIUS, mesh)
         mesh = body.data
         body.location = (x, 0.0, z)
         body.material_slots[0].link = "OBJECT"  # the mesh is shared
-        body.material_slots[0].material = _material(sphere)
+        body.material_slots[0].material = create_material(sphere.model, name=sphere.label, **sphere.parameters)
         label = parts.wear(parts.text(scene, f"Label {sphere.label}", sphere.label, LABEL_SIZE), ink)
         label.location = (x, 0.0, z - LABEL_DROP)
         label.rotation_euler.x = 0.5 * math.pi
@@ -98,17 +98,3 @@ def save_blend(path: Path, resolution, samples: int):
     prepare(scene, samples)
     parts.save(scene, path)
 
-
-def _material(sphere):
-    from .. import create_material
-
-    if sphere.model:
-        return create_material(sphere.model, name=sphere.label, **sphere.parameters)
-    material = bpy.data.materials.new(sphere.label)
-    tree = parts.nodes_of(material)
-    glossy, output = tree.nodes.new("ShaderNodeBsdfAnisotropic"), tree.nodes.new("ShaderNodeOutputMaterial")
-    glossy.distribution = sphere.distribution
-    glossy.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
-    glossy.inputs["Roughness"].default_value = ROUGHNESS
-    tree.links.new(glossy.outputs[0], output.inputs["Surface"])
-    return material
