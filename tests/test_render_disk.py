@@ -76,7 +76,7 @@ def test_furnace(model, given):
 
 # Of the mean, noise included. Lumps of small exponents end steeply: bells follow that badly, and what is left over is
 # grainy. The reciprocal lump is no bell near the normal, where its albedo has a cusp.
-SUN_BOUND, STEEP_BOUND, RECIPROCAL_BOUND = 0.015, {0.0: 0.6, 1.0: 0.06}, 0.06
+SUN_BOUND, STEEP_BOUND, RECIPROCAL_BOUND = 0.015, {0.0: 0.25, 1.0: 0.04}, 0.06
 SPHERES = [
     ("disk_scaling", {"exponent": 0.0}, (0.0, 65.0)), ("disk_scaling", {"exponent": 1.0}, (0.0, 65.0)),
     *[("disk_scaling", {"exponent": n}, (0.0, 40.0, 65.0, 80.0)) for n in (5.0, 50.0, 500.0)],

@@ -160,10 +160,12 @@ def test_a_hit_has_room_for_its_closures(model):
 
 @pytest.mark.parametrize("model", ON_BELLS.values(), ids=list(ON_BELLS))
 def test_bells_are_put_in(model):
-    rows = json.loads((source._OSL.parent / "luts" / "bells.json").read_text(encoding="utf-8"))["table"]
+    stored = json.loads((source._OSL.parent / "luts" / "bells.json").read_text(encoding="utf-8"))
+    few, steep = stored["table"], stored["steep"]
     text = source.assemble(model, source.FILE)
-    np.testing.assert_allclose(array(text, "bells"), np.ravel(rows), rtol=1e-5)
-    assert f"#define BELLS_PER_UNIT {len(rows) - 1}\n" in text and np.shape(rows)[1] == 8
+    np.testing.assert_allclose(array(text, "bells"), [*np.ravel(few), *np.ravel(steep)], rtol=1e-5)
+    assert f"#define BELLS_PER_UNIT {len(few) - 1}\n" in text and np.shape(few)[1] == 8
+    assert f"#define STEEP_FROM {len(few) - len(steep)}\n" in text and np.shape(steep)[1] == 20
     # Cycles takes a sum of closures apart with a stack of 16: each is put before the sum, and so waits for none.
     estimator = text.split("closure color estimate_lump(")[1].split("\n}\n")[0]
     assert "sum +=" not in estimator and estimator.count("+ sum;") == 2

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..baking import weights
+from ..baking import bells, weights
 from ..brdf import tables
 from ..brdf.axes import SineAxis
 
@@ -114,9 +114,13 @@ def _matches(parameter, value):
 
 
 def _bells():
-    """Macro and array parameter of the bells that make up a lump, see addon/baking/bells.py."""
-    bells = json.loads((_OSL.parent / "luts" / "bells.json").read_text(encoding="utf-8"))["table"]
-    return [f"#define BELLS_PER_UNIT {len(bells) - 1}"], [_array("bells", np.ravel(bells))]
+    """Macros and array parameter of the bells that make up a lump, see addon/baking/bells.py."""
+    stored = json.loads((_OSL.parent / "luts" / bells.FILE).read_text(encoding="utf-8"))
+    few, steep = np.array(stored["table"]), np.array(stored["steep"])
+    numbers = {"BELLS_PER_UNIT": bells.NODES, "BELL_KNOTS": bells.KNOTS, "STEEP_FROM": bells.STEEP_FROM,
+               "STEEP_ROWS": few.size, "STEEP_ROW": steep.shape[1], "STEEP_KNOTS": steep.shape[1] - bells.KNOTS - 1}
+    return ([f"#define {name} {value}" for name, value in numbers.items()],
+            [_array("bells", [*few.ravel(), *steep.ravel()])])
 
 
 def _base(family):

@@ -10,19 +10,21 @@
 
 #define NARROWEST 5e-4    // slope: Cycles takes narrower facets for mirrors
 #define FURTHEST 0.5      // of a bell's width: how far its normal leans
-#define RING 6            // bells of each of two rings around the middle one
+#define MOST_BELLS 37     // of a steep lump: one, and rings of 6, 12 and 18; of others one and two rings of 6
 #define SLENDER 0.07      // 1 / (n + 1) below which a lump is so nearly a bell that one is enough,
 #define STRAIGHT 0.05     // where the disk's map is as straight as this
 #define BENT 0.9          // share that the bells leave to splats, for its bending: they follow a bent lump badly
 #define TOO_BENT 1.0      // there is no use in bells
 #define WIDEST 0.15       // of a lump's standard deviation: splats; WIDER for sharp lumps, which are nearly bells,
 #define WIDER 0.35
+#define BLUR 0.0065       // and of steep lumps no more than this over what is left
 #define UNSHARP 0.1       // or, where their blur is not put back, this; and at most
 #define TO_EDGE 0.4       // of the way to the lump's edge,
 #define AT_EDGE 0.12      // or this of the standard deviation where the edge is soft
 #define MUCH_LEFT 0.1     // of the volume: where all samples per hit are drawn
 #define LITTLE_LEFT 0.02  // of the volume: with less, splats are drawn at fewer hits, and are heavier
 #define HEAVIEST 3.0      // weight of all splats of a lump
+#define AT_REST 0.8       // share of a steep lump's splats that is drawn where its bells leave something
 #define DRAWN_RADIUS 1.45  // what splats are drawn from is a lump of this radius, 1.16 times as wide as a sharp lump
 
 struct Bell {
@@ -35,7 +37,7 @@ struct Bell {
 
 struct Bells {
     int count;
-    Bell all[13];
+    Bell all[MOST_BELLS];
     float share;  // of the lump that the bells are made for
     float total;  // weight of all
 };
@@ -157,7 +159,31 @@ float bending(Disk d, Lump p, Spot s, float deviation)
     return hypot(dot(growth, a), dot(growth, b)) + 0.8 * (dot(a, a) + dot(b, b));
 }
 
-void make_bells(Disk d, Lump p, float gain, float table[], output Bells b)
+// A row of the table of bells between its nodes, see addon/baking/bells.py; of a steep lump, where there is room for so
+// many bells, with what they leave. Returns whether it is one of those.
+int bells_row(float n, int room_for_many, float table[], output float row[])
+{
+    float at = BELLS_PER_UNIT / (n + 1.0);
+    int steep = room_for_many && at >= STEEP_FROM;
+    int size = steep ? STEEP_ROW : 8;
+    int i = min((int)at, BELLS_PER_UNIT - 1);
+    int first = steep ? STEEP_ROWS + size * (i - STEEP_FROM) : size * i;
+    for (int k = 0; k < size; k += 1)
+        row[k] = mix(table[first + k], table[first + size + k], at - i);
+    return steep;
+}
+
+void add_ring(Disk d, Lump p, float row[], int ring, int count, float deviation, float share, output Bells b)
+{
+    int first = 2 + 3 * ring;
+    float radius = row[first + 1] * deviation;
+    for (int k = 0; k < count; k += 1) {
+        float phi = M_2PI * (k + 0.5 * (ring == 1)) / count;
+        add_bell(d, p, radius * cos(phi), radius * sin(phi), row[first + 2] * deviation, share * row[first] / count, b);
+    }
+}
+
+void make_bells(Disk d, Lump p, float gain, int steep, float row[], output Bells b)
 {
     float v = 1.0 / (p.n + 1.0);
     float deviation = lump_deviation(p.n);
@@ -168,25 +194,41 @@ void make_bells(Disk d, Lump p, float gain, float table[], output Bells b)
     float bent = disk_spot(d, p.centre, s) ? bending(d, p, s, deviation) : 2.0 * TOO_BENT;
     if (bent > TOO_BENT)
         return;
-    b.share = gain * (1.0 - min(BENT * bent, 0.6));
+    // The many bells of a steep lump are narrow, and follow a bent one.
+    b.share = steep ? gain * mix(0.97, 1.0, clamp(4.0 * v - 1.0, 0.0, 1.0)) : gain * (1.0 - min(BENT * bent, 0.6));
     if (v < SLENDER && bent < STRAIGHT) {
         add_bell(d, p, 0.0, 0.0, deviation, b.share * (1.0 - 0.8 * v), b);
         return;
     }
-    float at = BELLS_PER_UNIT * v;
-    int i = min((int)at, BELLS_PER_UNIT - 1);
-    float q[8];
-    for (int k = 0; k < 8; k += 1)
-        q[k] = mix(table[8 * i + k], table[8 * i + 8 + k], at - i);
-    add_bell(d, p, 0.0, 0.0, q[1] * deviation, b.share * q[0], b);
-    for (int ring = 0; ring < 2; ring += 1) {
-        int first = ring ? 5 : 2;
-        float radius = q[first + 1] * deviation;
-        for (int k = 0; k < RING; k += 1) {
-            float phi = M_2PI * (k + 0.5 * ring) / RING;
-            add_bell(d, p, radius * cos(phi), radius * sin(phi), q[first + 2] * deviation, b.share * q[first] / RING, b);
+    add_bell(d, p, 0.0, 0.0, row[1] * deviation, b.share * row[0], b);
+    add_ring(d, p, row, 0, 6, deviation, b.share, b);
+    add_ring(d, p, row, 1, steep ? 12 : 6, deviation, b.share, b);
+    if (steep)
+        add_ring(d, p, row, 2, 18, deviation, b.share, b);
+}
+
+// Draws the square of a splat's distance from the middle of the unit disk by a number u; returns the density over the
+// disk's area. Most of a steep lump's lie where the row says that its bells leave something, all others as a lump does.
+float draw_distance(float n, float u, int steep, float row[], output float r2)
+{
+    float drawn_n = 1.23 * n + 1.28;
+    float area = M_PI * DRAWN_RADIUS * DRAWN_RADIUS;
+    float at_rest = steep ? AT_REST : 0.0;
+    if (u < at_rest) {
+        float at = BELL_KNOTS * u / at_rest;
+        int i = min((int)at, BELL_KNOTS - 1);
+        r2 = mix(row[STEEP_KNOTS + i], row[STEEP_KNOTS + i + 1], at - i);
+    } else  // eq. 28
+        r2 = DRAWN_RADIUS * DRAWN_RADIUS * rest_of_root(max((u - at_rest) / (1.0 - at_rest), 1e-7), drawn_n + 1.0);
+    float density = (1.0 - at_rest) * (drawn_n + 1.0) / area * power_of_rest(M_PI * r2 / area, drawn_n);
+    if (steep)
+        for (int i = 0; i < BELL_KNOTS; i += 1) {
+            float low = row[STEEP_KNOTS + i];
+            float high = row[STEEP_KNOTS + i + 1];
+            if (r2 >= low && r2 < high)
+                density += at_rest / (BELL_KNOTS * M_PI * (high - low));
         }
-    }
+    return density;
 }
 
 // Laplacian of unit_lump, for n >= 2.
@@ -210,38 +252,39 @@ Lump wide_enough(Disk d, Lump p)
     return wide;
 }
 
-// Closures of one lump, times `tint`.
+// Closures of one lump, times `tint`. `room_for_many` tells whether there is room for MOST_BELLS closures and the splats.
 closure color estimate_lump(Disk d, Lump given, Target t, color tint, vector numbers, int samples, float spread,
-                            float table[], TABLE(albedos))
+                            int room_for_many, float table[], TABLE(albedos))
 {
     Lump p = wide_enough(d, given);
     Bells b;
     color base_tint = target_tint(t);
     float gain = target_gain(t, d, p, albedos);
     Lump like = target_like(t, d, p);
-    make_bells(d, like, gain * like.radii[0] * like.radii[1] / (p.radii[0] * p.radii[1]), table, b);
+    float row[STEEP_ROW];
+    int steep = bells_row(p.n, room_for_many, table, row);
+    make_bells(d, like, gain * like.radii[0] * like.radii[1] / (p.radii[0] * p.radii[1]), steep, row, b);
     float left = 1.0 - b.total;
     int count = clamp((int)ceil(samples * left / MUCH_LEFT), 1, samples);
     float chance = clamp(left / LITTLE_LEFT, 0.05, 1.0);
     closure color sum = 0;
     color owed = 0.0;
-    float drawn_n = 1.23 * p.n + 1.28;
     float deviation = lump_deviation(p.n);
-    float at_edge = p.n >= 1.0 ? AT_EDGE * deviation : 0.0;
+    float at_edge = p.n >= 1.0 ? (steep ? 0.6 : 1.0) * AT_EDGE * deviation : 0.0;
     // Over the whole lump what is put back sums up to nothing, but not over a part of it, where it leaves the disk: there
     // splats are smaller.
     int leaves = d.orthogonal && disk_room(d) < 3.0 * deviation * max(p.radii[0], p.radii[1]);
     int sharpened = p.n >= 2.0 && !leaves;
     float widest = leaves ? UNSHARP : mix(WIDER, WIDEST, min(8.0 / (p.n + 1.0), 1.0));
+    if (steep)
+        widest = clamp(BLUR / left, 0.6 * WIDEST, WIDEST);
     vector drawn = vector(numbers[0], numbers[1] / chance, 0.0);
     for (int k = 0; k < count && numbers[1] < chance; k += 1) {
-        // Eq. 28.
-        float u = max(lattice_u(drawn, k, count), 1e-7);
-        float r2 = rest_of_root(u, drawn_n + 1.0);
-        float r = DRAWN_RADIUS * sqrt(r2);
+        float r2;
+        float density = chance * draw_distance(p.n, lattice_u(drawn, k, count), steep, row, r2);
+        float r = sqrt(r2);
         float phi = M_2PI * lattice_v(drawn, k);
         vector at = r * vector(cos(phi), sin(phi), 0.0);
-        float density = chance * (drawn_n + 1.0) / M_PI * u / ((1.0 - r2) * DRAWN_RADIUS * DRAWN_RADIUS);
         Spot s;
         float shrunk;
         if (density > 0.0 && disk_spot(d, lump_point(p, at[0], at[1]), s)) {
