@@ -14,6 +14,7 @@ COMMANDS = {
     "build": ("addon.commands.build", "make the extension's zip"),
     "furnace": ("addon.commands.furnace", "albedo rendered in Cycles against theory"),
     "goniometer": ("addon.commands.goniometer", "lobe under a sun rendered in Cycles against theory"),
+    "compare": ("addon.commands.compare", "computed properties of the models, and what is published of them"),
     "figures": ("addon.commands.figures", "plots of albedos and lobes"),
     "demo": ("addon.commands.demo", "build and render the demo scene"),
     "bench": ("addon.commands.bench", "efficiency against Cycles' own closures"),
