@@ -10,6 +10,7 @@ from scipy import optimize
 from addon import cli
 from addon.brdf import MODELS
 from addon.compare import agreement, lobes, properties, published
+from addon.figures import compare as figures
 
 ROUGH = agreement.SURFACES[0]
 SYMMETRIC = ("phong", "blinn", "pumped_phong", "ward", "cook_torrance", "ashikhmin_shirley", "he_torrance",
@@ -234,3 +235,43 @@ def test_wrong_calls_are_one_line(argv, capsys):
     assert cli.main(argv) == 2
     printed = capsys.readouterr()
     assert printed.out == "" and printed.err.startswith("plausible compare: ") and printed.err.count("\n") == 1
+
+
+# The figures.
+
+
+def test_every_model_is_on_a_page():
+    pages = {model.id: figures.page_of(model) for model in MODELS.values()}
+    assert set(pages.values()) == set(figures.SET) - {figures.PUBLISHED}
+    for name, page in {"phong_limit": "phong", "weighted_lobes": "phong", "ward": "literature", "kajiya_kay":
+                       "literature", "pumped_ward": "pumped", "edwards_fit": "disk", "reciprocal_disk": "disk"}.items():
+        assert pages[name] == page, name
+
+
+@pytest.mark.parametrize("name", ["blinn", "phong_limit"])
+def test_lobes_drawn(name):
+    """(N·H)^n and (R·L)^n / max(N·L, N·V) in the plane of incidence, over their peaks at the mirror direction."""
+    shown = figures.lobes_of(MODELS[name])
+    n, view = shown.given["exponent"], np.radians(figures.VIEWS)
+    for light, curve, height in zip(figures.LIGHTS, shown.curves, shown.heights, strict=True):
+        tilt = math.radians(light)
+        if name == "blinn":
+            expected, peak = np.cos(0.5 * (view - tilt)) ** n, 1.0
+        else:
+            power = np.clip(np.cos(view - tilt), 0.0, None) ** n
+            expected = power * math.cos(tilt) / np.maximum(np.cos(view), math.cos(tilt))
+            peak = 1.0 / math.cos(tilt)
+        np.testing.assert_allclose(curve, expected, rtol=1e-3, atol=1e-4)
+        assert curve.max() == 1.0 and height == pytest.approx(peak, rel=1e-3)
+
+
+def test_figures_are_written_as_png_and_svg(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("matplotlib")
+    monkeypatch.setattr(figures, "SET", ("published", "disk"))  # the others differ in their models only
+    assert cli.main(["figures", "compare", "--output", str(tmp_path)]) == 0
+    assert len(capsys.readouterr().out.splitlines()) == 4
+    for name in figures.SET:
+        png, svg = ((tmp_path / f"compare_{name}.{ending}").read_bytes() for ending in ("png", "svg"))
+        assert png.startswith(b"\x89PNG") and len(png) > 20000 and b"<svg" in svg[:2000]
+    with pytest.raises(ValueError, match="no figure"):
+        figures.draw("nothing")

@@ -5,7 +5,7 @@ from pathlib import Path
 from ..cli import CommandError
 
 DESCRIPTION = "Plot albedos, lobes and half vectors of the reference models, as PNG and SVG."
-SETS = {"pumping": "addon.figures.pumping", "disk": "addon.figures.disk"}
+SETS = {"pumping": "addon.figures.pumping", "disk": "addon.figures.disk", "compare": "addon.figures.compare"}
 
 
 def add_arguments(parser):

@@ -8,10 +8,9 @@ import numpy as np
 from .. import brdf
 from ..brdf import disk
 from ..brdf.geometry import dot, half
-from .pumping import SHADES, STYLE
+from .style import INK, SHADES, STYLE, captioned
 
 SET = ("lobes", "lumps", "half_vectors")
-INK, GREY = "#1b1b1d", "#9a9aa2"
 
 VIEWS = (0.0, 20.0, 40.0, 60.0)  # degrees
 # One lump for all views: the largest that stays on the disk at the last. Its exponent keeps the lobes 0 at the horizon.
@@ -92,7 +91,8 @@ def draw_half_vectors(compared=COMPARED, projection=disk.ORTHOGONAL):
     from matplotlib.colors import LogNorm
 
     with matplotlib.rc_context(STYLE):
-        figure = _figure((14.0, 1.75 + 1.5 * len(compared)), f"Half vectors on the disk, {projection.id} projection", (
+        head = f"Half vectors on the disk, {projection.id} projection"
+        figure = captioned((14.0, 1.75 + 1.5 * len(compared)), head, (
             "As figure 13: density of half vectors, p = 4 f (N·L)(L·H) / (dh/dH), from eq. 11. The disk is centred on "
             "the in-plane part of the view (dot); the cross is the normal, where light is mirrored. "
             "Thin lines: p = 0.1 and 1.\na: albedo, the volume on the disk."))
@@ -121,7 +121,7 @@ def _draw_lobes():
     given = {"radius_u": LOBE["radius"], "radius_v": LOBE["radius"], "exponent": LOBE["exponent"]}
     peak = (LOBE["exponent"] + 1.0) / (np.pi * LOBE["radius"] ** 2)
     with matplotlib.rc_context(STYLE):
-        figure = _figure((11.0, 4.95), "BRDF lobes of one lump in the plane of incidence", (
+        figure = captioned((11.0, 4.95), "BRDF lobes of one lump in the plane of incidence", (
             "As figure 7: f against the angle of the light, on a scale for each projection. The lump is the same "
             f"for all views: eq. 26 with c = 0, n = {LOBE['exponent']:g} and R = 1 - sin 60° = {LOBE['radius']:.3f},\n"
             f"the largest that stays on the disk at 60°; p(0) = (n+1)/(πR²) = {peak:.1f}. In the mirror direction f is "
@@ -169,7 +169,7 @@ def _draw_lumps():
 
     # Colours as the paper's.
     with matplotlib.rc_context(STYLE):
-        figure = _figure((10.6, 4.9), "Cross sections of the lump on the disk", (
+        figure = captioned((10.6, 4.9), "Cross sections of the lump on the disk", (
             "As figure 8, both on the same scale. Eq. 26 with c = 0: p(h) = (n+1)/(πR²) [1 - |h|²/R²]ⁿ, of volume 1 "
             "and peak (n+1)/(πR²)."))
         axes = figure.subplots(1, 2, sharey=True)
@@ -205,20 +205,6 @@ def _show_disk(at, angle, image, norm):
 def _pixels(step):
     """Centres of WINDOW's pixels along u and v."""
     return tuple(np.arange(low + 0.5 * step, high, step) for low, high in (WINDOW[:2], WINDOW[2:]))
-
-
-def _figure(size, title, caption):
-    """An empty figure of `size` (inches) with a title above and a caption below."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=size, dpi=150, layout="constrained")
-    FigureCanvasAgg(figure)
-    head, foot = 0.42 / size[1], (0.16 + 0.17 * caption.count("\n") + 0.22) / size[1]
-    figure.get_layout_engine().set(rect=(0.0, foot, 1.0, 1.0 - head - foot), wspace=0.03, hspace=0.03)
-    figure.suptitle(title, x=0.012, y=1.0 - 0.12 / size[1], ha="left", va="top", size=13, weight="bold", color=INK)
-    figure.text(0.012, 0.1 / size[1], caption, ha="left", va="bottom", size=8.5, color="#55555c")
-    return figure
 
 
 def _view(angle):

@@ -7,11 +7,11 @@ surface facing the light, in 1/sr, in the plane of incidence, for a light at 0, 
 import numpy as np
 
 from .. import brdf
+from .style import SHADES, STYLE
 
 ANGLES = (0.0, 40.0, 80.0)  # of the light, degrees
 STAGES = (0, 1, 2, 3, 4)
 LIMIT_EXPONENTS = (5.0, 20.0, 100.0, 1000.0)
-SHADES = ("#8d99ae", "#3d5a80", "#1f8a70", "#e09f1f", "#b5310f")
 CHAINS = {  # name: (model, control, title)
     "phong_plain": ("pumped_phong", False, "Reciprocal Phong and its pumped-up versions, n = 20"),
     "blinn_plain": ("pumped_blinn", False, "Reciprocal Blinn and its pumped-up versions, n = 20"),
@@ -19,12 +19,6 @@ CHAINS = {  # name: (model, control, title)
     "blinn_controlled": ("pumped_blinn", True, "Controlled pumping-up of reciprocal Blinn, n = 20"),
 }
 SET = (*CHAINS, "phong_limit")
-STYLE = {
-    "font.size": 9.5, "axes.titlesize": 10.5, "axes.spines.top": False, "axes.spines.right": False,
-    "axes.edgecolor": "#55555c", "axes.labelcolor": "#1b1b1d", "xtick.color": "#55555c", "ytick.color": "#55555c",
-    "axes.grid": True, "grid.color": "#e4e4e8", "grid.linewidth": 0.7, "axes.axisbelow": True, "lines.linewidth": 1.7,
-    "legend.frameon": False, "legend.handlelength": 3.0, "svg.hashsalt": "pumping", "svg.fonttype": "path",
-}
 
 
 def albedo_curve(model: str, count: int = 181, **parameters):
