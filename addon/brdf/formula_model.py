@@ -18,16 +18,15 @@ class FormulaModel(Model):
     `lobe(view, light, p)` (N,) in 1/sr is asked above the horizon only. `colour(view, light, p)` gives (N, 3), or None
     where it is white. `diffuse(view, light, p)` gives the amount of `diffuse_color` (N,) or (N, 3), in 1/sr.
     `sampler(p)` is what `sample` draws from (see samplers.py). `width(p)` is about the root mean square slope of the
-    half vectors of the narrowest lobe: it says how fine to look. `shape` names the parameter that widens or narrows the
-    lobe. `symmetric` tells whether f(V, L) = f(L, V) is claimed. `stretched(p)`, of models that know a tangent, x,
-    gives the widths of the lobe along and across it, the larger 1. `spike(mu, p)`, where there is one, is the
-    reflectance (N, 3) of a perfect mirror on top, which is no part of f.
+    half vectors of the narrowest lobe: it says how fine to look. `symmetric` tells whether f(V, L) = f(L, V) is
+    claimed. `stretched(p)`, of models that know a tangent, x, gives the widths of the lobe along and across it, the
+    larger 1. `spike(mu, p)`, where there is one, is the reflectance (N, 3) of a perfect mirror on top, which is no part
+    of f.
     """
 
     lobe: object
     sampler: object
     width: object
-    shape: str
     colour: object = None
     diffuse: object = None
     symmetric: bool = True

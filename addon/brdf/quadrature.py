@@ -94,23 +94,33 @@ def polar_energy(lobe, exponent: float, cos_theta, polar: int, azimuthal: int, e
 def hemisphere(evaluate, view, width: float, mirrored: bool = True, polar: int = 12, azimuthal: int = 48):
     """Integral of `evaluate(view, light)`, (N,) or (N, 3) in 1/sr, times N·L over the lights above the horizon.
 
-    Nodes are dense where half vectors lean by `width` or less. `mirrored`: both sides of the plane of incidence are
-    alike, and one is looked at. Returns a number or (3,).
+    The other arguments are those of `hemisphere_nodes`. Returns a number or (3,).
     """
-    light, weight = _hemisphere_nodes(float(view[2]), width, polar, azimuthal)
-    if not mirrored:
+    light, weight = hemisphere_nodes(view, width, mirrored, polar, azimuthal)
+    value = evaluate(np.broadcast_to(view, light.shape), light)
+    return (value * (weight if value.ndim == 1 else weight[:, None])).sum(axis=0)
+
+
+def hemisphere_nodes(view, width: float, mirrored: bool = True, polar: int = 12, azimuthal: int = 48):
+    """Lights (N, 3) above the horizon and weights (N,), solid angle times N·L, to integrate what is seen from `view`.
+
+    They are dense where half vectors lean by `width` (a slope) or less. `mirrored`: both sides of the plane of
+    incidence are alike, and the lights lie on one and count twice.
+    """
+    light, weight = _one_side(float(view[2]), width, polar, azimuthal)
+    if mirrored:
+        weight = 2.0 * weight
+    else:
         light = np.concatenate([light, light * [1.0, -1.0, 1.0]])
         weight = np.concatenate([weight, weight])
     across = np.hypot(view[0], view[1])
     if view[1] and across:
         c, s = view[0] / across, view[1] / across
         light = np.stack([c * light[:, 0] - s * light[:, 1], s * light[:, 0] + c * light[:, 1], light[:, 2]], axis=-1)
-    value = evaluate(np.broadcast_to(view, light.shape), light)
-    energy = value * (weight if value.ndim == 1 else weight[:, None])
-    return energy.sum(axis=0) * (2.0 if mirrored else 1.0)
+    return light, weight
 
 
-def _hemisphere_nodes(mu_view, width, polar, azimuthal):
+def _one_side(mu_view, width, polar, azimuthal):
     """Lights (N, 3) on the side y <= 0 and weights (N,): solid angle times N·L."""
     theta_view = np.arccos(min(mu_view, 1.0))
     # Intervals of the light angle grow geometrically from the mirror direction, and from the horizon.

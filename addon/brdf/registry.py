@@ -1,5 +1,5 @@
 """The registry of models: sockets, panel, bake jobs, command line and tests are made of what is declared here, once."""
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,7 +14,8 @@ class Model:
     """A reflectance model as declared: names, parameters, the tables that it reads, formula and sources.
 
     The subclasses `LobeModel` and `DiskModel` say what it computes. All methods take the model's parameters by id and
-    raise ValueError that names what is wrong.
+    raise ValueError that names what is wrong. `shape` names the parameter that widens or narrows the lobe; those of
+    its other lobes, `alongside`, are scaled together with it.
     """
 
     id: str
@@ -24,6 +25,8 @@ class Model:
     tables: tuple
     formula: str
     references: tuple
+    shape: str = field(default="exponent", kw_only=True)
+    alongside: tuple = field(default=(), kw_only=True)
 
     baked = False  # whether it renders by weights that are baked for its parameters (see FormulaModel)
 
@@ -31,6 +34,13 @@ class Model:
     def base_family(self):
         """The family of base lobes that its shader uses, see baking/base.py; None where it uses bells on the disk."""
         return None
+
+    @property
+    def axes(self) -> tuple:
+        """The parameters that stretch the lobe along and across the tangent, by id; () where it is round."""
+        ids = [p.id for p in self.parameters]
+        pairs = [(name, f"{name[:-1]}v") for name in ids if name.endswith("_u") and f"{name[:-1]}v" in ids]
+        return pairs[0] if pairs else ()
 
     def parameter(self, name: str) -> Parameter:
         for parameter in self.parameters:
@@ -91,6 +101,13 @@ class Model:
         p = self.resolve(parameters)
         view, light = paired("view", directions("view", view), "light", directions("light", light))
         return self._pdf(view, light, p)
+
+
+def find_model(name: str) -> Model:
+    """The model called `name`. Raises ValueError that lists what there is."""
+    if name not in MODELS:
+        raise ValueError(f"no model {name!r}; there are {', '.join(MODELS)}")
+    return MODELS[name]
 
 
 def register(model: Model) -> Model:

@@ -16,7 +16,7 @@ def add_arguments(parser):
 def run(arguments):
     models = list(brdf.MODELS.values())
     if arguments.model:
-        models = [find_model(arguments.model)]
+        models = [brdf.find_model(arguments.model)]
     if arguments.json:
         print(json.dumps([_as_json(model) for model in models], indent=2))
         return
@@ -31,13 +31,6 @@ def run(arguments):
         for reference in model.references:
             print(f"    source: {reference}")
         print()
-
-
-def find_model(name):
-    """The model called `name`. Raises ValueError that lists what there is."""
-    if name not in brdf.MODELS:
-        raise ValueError(f"no model {name!r}; there are {', '.join(brdf.MODELS)}")
-    return brdf.MODELS[name]
 
 
 def _as_json(model):

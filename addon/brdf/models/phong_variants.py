@@ -68,4 +68,5 @@ register(FormulaModel(
     description="Three normalised Blinn-Phong lobes, added: a sharp core in a wide halo",
     parameters=LOBES + COLOUR + DIFFUSE + ESTIMATOR, tables=(),
     formula="c_diff/π + F Σ w_i (n_i+8)/(8π) (N·H)^n_i", references=(RTR + ", eq. 7.49",),
-    lobe=sum_of_lobes, sampler=drawn_from_sum, width=narrowest, shape="exponent_1", colour=factor, diffuse=lambert))
+    lobe=sum_of_lobes, sampler=drawn_from_sum, width=narrowest, shape="exponent_1",
+    alongside=("exponent_2", "exponent_3"), colour=factor, diffuse=lambert))
