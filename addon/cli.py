@@ -15,6 +15,7 @@ COMMANDS = {
     "furnace": ("addon.commands.furnace", "albedo rendered in Cycles against theory"),
     "goniometer": ("addon.commands.goniometer", "lobe under a sun rendered in Cycles against theory"),
     "compare": ("addon.commands.compare", "computed properties of the models, and what is published of them"),
+    "match": ("addon.commands.match", "parameters with which one model is as wide as another"),
     "figures": ("addon.commands.figures", "plots of albedos and lobes"),
     "demo": ("addon.commands.demo", "build and render the demo scene"),
     "bench": ("addon.commands.bench", "efficiency against Cycles' own closures"),
