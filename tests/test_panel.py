@@ -200,6 +200,85 @@ def test_presets(bpy):
     assert "PLAUSIBLE_MT_presets" in menus
 
 
+def converted(bpy, material, model_id, capsys):
+    """Convert a material; returns its node and the words of the report."""
+    from addon.blender import materials
+
+    with bpy.context.temp_override(material=material):
+        assert bpy.ops.plausible.convert(model=model_id) == {"FINISHED"}
+    printed = capsys.readouterr()
+    return materials.script_node(material), printed.out + printed.err
+
+
+def test_convert_keeps_the_width_of_the_lobe(bpy, no_weights, capsys):
+    from addon.blender import materials
+    from addon.fitting import match
+
+    material = make("pumped_phong", exponent=50.0, pumps=2.0, base_color=(0.5, 0.25, 0.125), samples=7)
+    tree = material.node_tree
+    colour, normal = tree.nodes.new("ShaderNodeRGB"), tree.nodes.new("ShaderNodeNormalMap")
+    pumps = tree.nodes.new("ShaderNodeValue")
+    node = materials.script_node(material)
+    for source, name in ((colour, "base_color"), (normal, "shading_normal"), (pumps, "pumps")):
+        tree.links.new(source.outputs[0], materials.socket_of(node, brdf.MODELS["pumped_phong"].parameter(name)))
+    node, words = converted(bpy, material, "disk_scaling", capsys)
+    model = materials.model_of(node)
+    assert model.id == "disk_scaling" == material.plausible_brdf.model
+    values = materials.values(node)
+    # Phong's half of (R·L)^n at normal incidence, and of a lump by the scaling projection: angles of the half vector.
+    beta = 0.5 * math.acos(0.5 ** (1.0 / 50.0))
+    lump = (1.0 - math.tan(beta) ** 2) ** values["exponent"] / (math.cos(2.0 * beta) * math.cos(beta) ** 4)
+    assert lump == pytest.approx(0.5, rel=1e-4)
+    assert values["f90"] == values["base_color"] == (0.5, 0.25, 0.125)
+    assert materials.get_value(node, model.parameter("samples")) == 7
+    linked = {p.id: materials.socket_of(node, p).links[0].from_node.name for p in model.parameters
+              if materials.socket_of(node, p).is_linked}
+    assert linked == {"base_color": colour.name, "shading_normal": normal.name}
+    assert "half-angle 4.76°" in words and "has no Pumps, Controlled" in words and "Links are lost of Pumps" in words
+    assert match.half_angles(model, match.complete(model, values))[0] == pytest.approx(beta, rel=1e-5)
+
+
+def test_convert_bakes_once_and_holds_at_the_end_of_a_range(bpy, monkeypatch, no_weights, capsys):
+    from addon.baking import weights
+    from addon.blender import materials
+
+    baked, few = [], weights.weights(None, None)
+    monkeypatch.setattr(weights, "weights", lambda model, parameters: baked.append((model.id, parameters)) or few)
+    node, words = converted(bpy, make("blinn", exponent=50.0), "cook_torrance", capsys)
+    ((model_id, parameters),) = baked
+    assert model_id == "cook_torrance" and not materials.is_stale(node)
+    assert parameters["roughness"] == pytest.approx(materials.values(node)["roughness"], rel=1e-6)
+    assert "Warning" not in words and "Slope m 0.18" in words
+    node, words = converted(bpy, make("blinn", exponent=4.0), "reciprocal_disk", capsys)
+    assert materials.values(node)["exponent"] == 1.0
+    assert "Warning" in words and "Exponent ends before the width of Blinn, 32.8°" in words
+
+
+def test_convert_can_be_undone(bpy, no_weights):
+    material = make("blinn", exponent=50.0)
+    name = material.name
+    bpy.ops.ed.undo_push(message="before")
+    with bpy.context.temp_override(material=material):
+        assert bpy.ops.plausible.convert("EXEC_DEFAULT", True, model="ward") == {"FINISHED"}
+    assert material.plausible_brdf.model == "ward"
+    bpy.ops.ed.undo()
+    group = bpy.data.materials[name].plausible_brdf
+    assert group.model == "blinn" and group.exponent == 50.0
+
+
+def test_convert_is_offered_for_every_other_model(bpy, no_weights):
+    from addon.blender.operators import PLAUSIBLE_MT_convert
+
+    context = context_for(bpy, make("blinn"))
+    assert "PLAUSIBLE_MT_convert" in [given["menu"] for kind, given in drawn(context) if kind == "menu"]
+    log = []
+    PLAUSIBLE_MT_convert.draw(SimpleNamespace(layout=Recorder(log)), context)
+    assert [given["text"] for _, given in log] == [m.label for m in brdf.MODELS.values() if m.id != "blinn"]
+    with pytest.raises(RuntimeError, match="no lobe to match"), bpy.context.temp_override(
+            material=make("weighted_lobes", weight_1=0.0, weight_2=0.0, weight_3=0.0)):
+        bpy.ops.plausible.convert(model="blinn")
+
+
 def test_a_lump_that_is_shrunk_is_told(bpy):
     for parameters, told in (({"radius_u": 1.0}, True), ({"radius_u": 0.1, "radius_v": 0.05}, False)):
         log = drawn(context_for(bpy, make("disk_scaling", **parameters)))

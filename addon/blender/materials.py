@@ -4,6 +4,7 @@ import json
 import bpy
 
 from .. import brdf
+from ..fitting import match
 from ..shading import source
 from . import osl
 
@@ -199,23 +200,46 @@ def update_stand_in(material):
 
 def rebuild(material):
     """Compile a material's shader anew, with the tables of today; values and links stay."""
-    node = script_node(material)
-    if node is None:
-        raise ValueError(f"{material.name!r} has no Plausible BRDF node")
-    bake_weights(node)
+    bake_weights(_node_of(material))
 
 
-def change_model(material, model_id: str):
-    """Turn a material into another model; the values and links of the parameters that both have stay."""
-    _exchange(material, model_id)
+def change_model(material, model_id: str, given: dict | None = None):
+    """Turn a material into another model; the values and links of the parameters that both have stay.
+
+    `given` are values, by id, to put in place of the old ones.
+    """
+    _exchange(material, model_id, given)
     update_stand_in(material)
 
 
-def _exchange(material, model_id, given=None):
-    """`change_model` without the stand-in; returns the new node. `given` are values to put in place of the old ones."""
-    old = script_node(material)
-    if old is None:
+def convert(material, model_id: str):
+    """Turn a material into another model whose lobe is as wide as the old one's; returns the `match.Match`.
+
+    Links stay as in `change_model`. What is baked is baked for the new values. Raises ValueError where there is no lobe
+    to match.
+    """
+    node = _node_of(material)
+    found = match.match(model_of(node).id, values(node), model_id, hold=True)
+    change_model(material, model_id, found.parameters)
+    return found
+
+
+def unplugged(material, model_id: str) -> list:
+    """Labels of the parameters with links that another model has no socket for."""
+    node, there = _node_of(material), {p.id for p in brdf.MODELS[model_id].parameters}
+    return [p.label for p in model_of(node).parameters if socket_of(node, p).is_linked and p.id not in there]
+
+
+def _node_of(material):
+    """The Script node of ours. Raises ValueError where there is none."""
+    node = script_node(material)
+    if node is None:
         raise ValueError(f"{material.name!r} has no Plausible BRDF node")
+    return node
+
+
+def _exchange(material, model_id, given):
+    old = _node_of(material)
     if model_id not in brdf.MODELS:
         raise ValueError(f"no model {model_id!r}; there are {', '.join(brdf.MODELS)}")
     tree, model = material.node_tree, brdf.MODELS[model_id]
@@ -237,7 +261,6 @@ def _exchange(material, model_id, given=None):
     tree.nodes.remove(old)
     new.name = name
     _note_values(new)
-    return new
 
 
 def apply_preset(material, preset):
@@ -245,8 +268,7 @@ def apply_preset(material, preset):
     given = {p.id: preset.parameters.get(p.id, p.default) for p in brdf.MODELS[preset.model].parameters if p.evaluated}
     node = script_node(material)
     if node is None or model_of(node).id != preset.model:
-        _exchange(material, preset.model, given)
-        update_stand_in(material)
+        change_model(material, preset.model, given)
     else:
         set_values(node, {model_of(node).parameter(key): value for key, value in given.items()})
 

@@ -113,6 +113,7 @@ class _Main(_Face):
         row = layout.row(align=True)
         row.prop(material.plausible_brdf, "model")
         row.operator("plausible.new_material", text="", icon="ADD").model = model.id
+        row.menu("PLAUSIBLE_MT_convert", text="", icon="ARROW_LEFTRIGHT")
         row.menu("PLAUSIBLE_MT_presets", text="", icon="PRESET")
         draw_weights(layout, context, node)
         if status.osl_is_on(context.scene):
