@@ -16,6 +16,7 @@ COMMANDS = {
     "goniometer": ("addon.commands.goniometer", "lobe under a sun rendered in Cycles against theory"),
     "compare": ("addon.commands.compare", "computed properties of the models, and what is published of them"),
     "match": ("addon.commands.match", "parameters with which one model is as wide as another"),
+    "fit": ("addon.commands.fit", "parameters with which a model comes nearest to another or to data"),
     "figures": ("addon.commands.figures", "plots of albedos and lobes"),
     "demo": ("addon.commands.demo", "build and render the demo scene"),
     "bench": ("addon.commands.bench", "efficiency against Cycles' own closures"),

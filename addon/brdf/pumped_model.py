@@ -53,7 +53,7 @@ def pumped(base: FormulaModel) -> PumpedModel:
         formula=f"[{base.formula}] / D", references=(*base.references, f"{pumping.NEUMANN}, eq. 16, 20, 21"),
         lobe=lambda view, light, p: base.lobe(view, light, p) / _correction(base, view, light, p),
         sampler=lambda p: base.sampler({**p, "diffuse_color": (0.0, 0.0, 0.0)}), width=base.width, shape=base.shape,
-        alongside=base.alongside, colour=base.colour, base=base)
+        alongside=base.alongside, bases=base.bases, colour=base.colour, base=base)
 
 
 def _correction(base, view, light, p):

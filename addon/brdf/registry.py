@@ -15,7 +15,8 @@ class Model:
 
     The subclasses `LobeModel` and `DiskModel` say what it computes. All methods take the model's parameters by id and
     raise ValueError that names what is wrong. `shape` names the parameter that widens or narrows the lobe; those of
-    its other lobes, `alongside`, are scaled together with it.
+    its other lobes, `alongside`, are scaled together with it, and what an exponent is the power of, `bases`, changes so
+    that the power stays.
     """
 
     id: str
@@ -27,6 +28,7 @@ class Model:
     references: tuple
     shape: str = field(default="exponent", kw_only=True)
     alongside: tuple = field(default=(), kw_only=True)
+    bases: tuple = field(default=(), kw_only=True)
 
     baked = False  # whether it renders by weights that are baked for its parameters (see FormulaModel)
 

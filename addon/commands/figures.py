@@ -32,8 +32,12 @@ def write_set(name, folder):
     """Draw the set `name` into `folder`; yields each path written."""
     figures = importlib.import_module(SETS[name])
     for each in figures.SET:
-        figure = figures.draw(each)
-        for ending, metadata in (("png", {"Software": None}), ("svg", {"Date": None})):
-            path = folder / f"{name}_{each}.{ending}"
-            figure.savefig(path, metadata=metadata)
-            yield path
+        yield from write(figures.draw(each), folder, f"{name}_{each}")
+
+
+def write(figure, folder, name):
+    """Write a figure into `folder` as PNG and SVG; yields each path written."""
+    for ending, metadata in (("png", {"Software": None}), ("svg", {"Date": None})):
+        path = folder / f"{name}.{ending}"
+        figure.savefig(path, metadata=metadata)
+        yield path

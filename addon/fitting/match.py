@@ -52,11 +52,18 @@ def match(source_id: str, parameters: dict, target_id: str, hold: bool = False) 
     if not (hold or np.isfinite(wanted).any()):
         raise ValueError(f"{source.id}: f does not fall to half of its value at the normal, so nothing can be matched")
     values, held = shaped(target, carried(source, given, target), wanted, hold)
+    values = with_roughness(values)
     if "use_roughness" in values:
-        values["roughness"] = roughness_of_exponent(values["exponent"])
         values["use_roughness"] = bool(given.get("use_roughness", False))
     return Match(source.id, target.id, values, _degrees(wanted), _degrees(half_angles(target, values)),
                  dropped(source, given, target), held)
+
+
+def with_roughness(values: dict) -> dict:
+    """`values` with the roughness that stands for their exponent, in models that know both."""
+    if "use_roughness" not in values:
+        return values
+    return {**values, "roughness": roughness_of_exponent(values["exponent"])}
 
 
 def _degrees(pair):
@@ -140,9 +147,12 @@ def _search(model, values, names, azimuth, aim, hold):
 
     def at(x):
         moved = {names[0]: unline(leader, x)}
+        factor = moved[names[0]] / values[names[0]]
         for name in names[1:]:
-            scaled = values[name] * moved[names[0]] / values[names[0]]
-            moved[name] = model.parameter(name).clamp(scaled)
+            moved[name] = model.parameter(name).clamp(values[name] * factor)
+        for name in model.bases:
+            moved[name] = model.parameter(name).clamp(float(np.copysign(abs(values[name]) ** (1.0 / factor),
+                                                                        values[name])))
         return {**values, **moved}
 
     def miss(x):

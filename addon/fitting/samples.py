@@ -14,7 +14,7 @@ from ..brdf import quadrature
 from ..brdf.geometry import half, view_at
 from .match import half_angles
 
-VIEWS = (0.0, 15.0, 30.0, 45.0, 60.0)
+VIEWS = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0)  # degrees
 FLOOR = 0.05  # of the peak: less is compared with this
 ANGLES = ("theta_view", "theta_light", "phi")
 COLUMNS = (("f",), ("f_r", "f_g", "f_b"))
@@ -59,7 +59,7 @@ class Samples:
         return np.bincount(self.group, self.weight) > 0.0
 
 
-def of_model(model, values: dict, views=VIEWS, stretched: bool = False, polar: int = 4, azimuthal: int = 12) -> Samples:
+def of_model(model, values: dict, views=VIEWS, stretched: bool = False, polar: int = 6, azimuthal: int = 20) -> Samples:
     """A model with resolved `values`, at `views` (degrees from the normal), the lights dense where its lobe is.
 
     `stretched`: it is to be compared with a model that knows a tangent, so that views along and across it are taken, as
