@@ -272,6 +272,14 @@ def test_a_fit_is_never_worse_than_the_match(model_id, target_id, given):
     assert max(found.between) <= 1.15 * max(found.errors) and max(found.between) < max(found.start_between)
 
 
+def test_a_target_given_by_roughness():
+    """The exponent is what is fitted, and the roughness that is reported stands for it."""
+    found = fit.to_model("phong", "phong_limit", {"roughness": 0.3}, views=[0.0, 10.0]).parameters
+    assert found["use_roughness"] is False
+    assert found["exponent"] == pytest.approx(brdf.exponent_of_roughness(0.3), rel=0.02)
+    assert found["roughness"] == pytest.approx(0.3, rel=0.01)
+
+
 def test_fits_are_repeatable(cook_to_blinn):
     assert fit.to_model("cook_torrance", "blinn", {"exponent": 50.0}).parameters == cook_to_blinn.parameters
 

@@ -1,4 +1,7 @@
-"""A fit beside what it is fitted to: lobes in the plane of incidence, and the albedo, before, after and wanted."""
+"""A fit beside what it is fitted to: lobes in the plane of incidence, and the albedo, before, after and wanted.
+
+Of stretched lobes it shows the plane of the tangent.
+"""
 import numpy as np
 
 from ..brdf.geometry import view_at
@@ -107,15 +110,17 @@ def _draw_rows(at, found, view, angles):
 
 def _draw_albedo(at, found):
     angles = np.linspace(0.0, 85.0, 86)
+    top = 1.0
     for model, values, look in _curves(found):
-        at.plot(angles, luminance(model.albedo(np.cos(np.radians(angles)), **values)), **look)
+        albedo = luminance(model.albedo(np.cos(np.radians(angles)), **values))
+        at.plot(angles, albedo, **look)
+        top = max(top, albedo[angles <= 75.0].max())  # some grow without bound at grazing
     rows = found.samples
     if found.target is None and rows.integrable.any():
-        first = np.searchsorted(np.sort(rows.group), np.nonzero(rows.integrable)[0])
-        view = rows.view[np.argsort(rows.group, kind="stable")][first]
-        at.plot(np.degrees(np.arccos(view[:, 2])), luminance(rows.albedos(rows.value)), clip_on=False, **DOTS)
+        cosines = [rows.view[rows.group == number][0, 2] for number in np.nonzero(rows.integrable)[0]]
+        albedo = luminance(rows.albedos(rows.value))
+        at.plot(np.degrees(np.arccos(cosines)), albedo, clip_on=False, **DOTS)
+        top = max(top, albedo.max())
     at.axhline(1.0, color=INK, linewidth=0.8, linestyle=(0, (4, 3)))
-    lines = [line for line in at.lines if len(line.get_xdata()) > 2 or line.get_linestyle() == "None"]
-    top = max([1.0] + [np.max(line.get_ydata()[line.get_xdata() <= 75.0], initial=0.0) for line in lines])
     at.set(title="Albedo", xlabel="angle of view θ (degrees)", ylabel="albedo a (dimensionless)", xlim=(0.0, 85.0),
            ylim=(0.0, 1.12 * top), xticks=range(0, 86, 15))

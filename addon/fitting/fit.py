@@ -92,6 +92,8 @@ def fit(model, target: samples.Samples, start: dict, free=None, floor: float = s
     if not 1e-3 <= floor <= 1.0:
         raise ValueError(f"floor: {floor:g} is outside 0.001 .. 1")
     names = usual(model) if free is None else _checked(model, free)
+    if "use_roughness" in start:
+        start = match.with_roughness({**start, "use_roughness": False})  # the exponent is what changes
     space = _Space(model, names, start, grey=np.ptp(target.value, axis=1).max() == 0.0)
     channels = 1 if _is_grey(samples.errors(target, model, start, floor)) else 3
 
@@ -107,7 +109,7 @@ def fit(model, target: samples.Samples, start: dict, free=None, floor: float = s
 
     tried = [minimax.minimise(residuals, x, _TRIAL, told) for x in space.starts()]
     best, _ = minimax.minimise(residuals, min(tried, key=lambda each: each[1])[0], progress=told)
-    start, found = match.with_roughness(start), match.with_roughness(space.values(best))
+    found = match.with_roughness(space.values(best))
     return Fit(model, target, names, start, found, *(samples.largest(samples.errors(target, model, values, floor))
                                                      for values in (start, found)))
 
