@@ -5,7 +5,6 @@ from dataclasses import asdict
 from .. import brdf
 from ..compare import agreement, properties, published
 from ..verify.subject import settings
-from .list import find_model
 
 DESCRIPTION = ("Compute the properties of models from their formulas, and hold against them what Sawicki's comparison "
                "of BRDF models states.")
@@ -41,7 +40,7 @@ def add_arguments(parser):
 
 
 def run(arguments):
-    models = [find_model(name) for name in dict.fromkeys(arguments.models or brdf.MODELS)]
+    models = [brdf.find_model(name) for name in dict.fromkeys(arguments.models or brdf.MODELS)]
     given = [settings(model, arguments.assignments) for model in models]
     rows = [properties.measure(model, p) for model, p in zip(models, given, strict=True)]
     judged = [] if arguments.assignments else _judged({model.id for model in models})

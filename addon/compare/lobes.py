@@ -5,6 +5,8 @@ views the mirror direction's side is positive. `given` are a model's parameters,
 """
 import numpy as np
 
+from ..fitting import match
+
 WIDEST = 45.0  # of half vectors at normal incidence: their lights are at the horizon
 
 
@@ -44,8 +46,7 @@ def seen_from_above(model, half_angles, given) -> np.ndarray:
 
 def half_angle(model, given) -> float:
     """Half vector's angle at which f, seen from above, has fallen to one half; WIDEST where it never does."""
-    beta = np.concatenate([[0.0], np.geomspace(0.01, WIDEST, 2000)])
-    return crossing(beta, seen_from_above(model, beta, given), 0.5)
+    return min(float(np.degrees(match.half_angle(model, match.complete(model, given), match.ALONG))), WIDEST)
 
 
 def crossing(x, y, part: float) -> float:
@@ -58,25 +59,11 @@ def crossing(x, y, part: float) -> float:
 
 
 def matched(model, angle: float, given=None) -> dict:
-    """`given` with the model's parameter of shape such that `half_angle` is `angle`: a round lobe.
+    """All parameters of the model, `given` and others, with the lobe as wide as `angle`, and round (fitting/match.py).
 
-    So Sawicki compares models (see published.py). Pumped ones are matched as they are before, which is nearly the same.
-    Raises ValueError where no value of the parameter gives that width.
+    Pumped ones are matched as they are before, which is nearly the same. Raises ValueError where no value of the
+    parameter of shape gives that width.
     """
-    given, name = dict(given or {}), getattr(model, "shape", "exponent")
-    across = name.removesuffix("_u") + "_v"
-
-    def shaped(x):
-        return {**given, name: x, **those(model, use_roughness=False, **{across: x})}
-
-    def is_wider(x):
-        return half_angle(model, {**shaped(x), **those(model, pumps=0.0)}) > angle
-
-    low, high = max(model.parameter(name).minimum, 1e-3), model.parameter(name).maximum
-    narrows = is_wider(low)  # as the parameter grows: with exponents it does, with roughnesses not
-    if is_wider(high) == narrows:
-        raise ValueError(f"{model.id}: no {name} makes a lobe whose half angle is {angle:.3g} degrees")
-    for _ in range(50):
-        middle = np.sqrt(low * high)
-        low, high = (middle, high) if is_wider(middle) == narrows else (low, middle)
-    return shaped(float(np.sqrt(low * high)))
+    values = match.complete(model, {**(given or {}), **those(model, use_roughness=False)})
+    shaped, _ = match.shaped(model, {**values, **those(model, pumps=0.0)}, (np.radians(angle), np.radians(angle)))
+    return {**shaped, **{name: values[name] for name in those(model, pumps=0.0)}}
