@@ -1,12 +1,16 @@
-"""The pumping paper's figures 3 to 7, computed by the reference models: albedo, and radiance under a point light.
+"""The pumping paper's figures 1 and 3 to 7, computed by the reference models: albedo, and radiance under a point light.
 
 The left plot of each shows the albedo against the angle of view (the paper's eq. 4: what a uniform sky of radiance 1
 gives). The right one shows f(V, L) (N·L), the paper's eq. 3: radiance towards the viewer per unit irradiance on a
-surface facing the light, in 1/sr, in the plane of incidence, for a light at 0, 40 and 80 degrees.
+surface facing the light, in 1/sr, in the plane of incidence, for a light at 0, 40 and 80 degrees. Figure 1 compares
+models by their albedo alone; its right plot is the left one towards grazing, both axes logarithmic.
 """
 import numpy as np
 
 from .. import brdf
+from ..brdf import quadrature
+from ..brdf.geometry import half, view_at
+from ..brdf.microfacet import beckmann
 from .style import SHADES, STYLE
 
 ANGLES = (0.0, 40.0, 80.0)  # of the light, degrees
@@ -18,7 +22,20 @@ CHAINS = {  # name: (model, control, title)
     "phong_controlled": ("pumped_phong", True, "Controlled pumping-up of reciprocal Phong, n = 20"),
     "blinn_controlled": ("pumped_blinn", True, "Controlled pumping-up of reciprocal Blinn, n = 20"),
 }
-SET = (*CHAINS, "phong_limit")
+SLOPE = 0.1  # m of figure 1's Cook-Torrance and Ward
+COMPARED = {  # label in figure 1: (model or None, parameters, shade, dashes); the last two are not in the paper's
+    "reciprocal Phong, n = 150": ("phong", {"exponent": 150.0}, "#3d5a80", "-"),
+    "He-Torrance, σ₀ = 0.1, τ = 1.7": ("he_torrance", {"sigma": 0.1, "tau": 1.7}, "#1f8a70", "-"),
+    "Cook-Torrance, m = 0.1": ("cook_torrance", {"roughness": SLOPE}, "#b5310f", "-"),
+    "Ward, m = 0.1": ("ward", {"roughness_u": SLOPE, "roughness_v": SLOPE}, "#e09f1f", "-"),
+    "Cook-Torrance, m = 0.1, with G = 1": (None, {}, "#b5310f", (0, (5, 3))),
+    "Ward-Dür, m = 0.1": ("ward_duer", {"roughness_u": SLOPE, "roughness_v": SLOPE}, "#8d6a1a", (0, (1, 1.5))),
+}
+NOTE = ("Fresnel factor 1; He-Torrance with its mirror spike. Slopes are measured from N·V = 0.001 to 0.0001. Ward's "
+        "albedo is unbounded, and so is Cook-Torrance's\nwith G = 1, as the paper's proof takes it in eq. 12 (dashed). "
+        "With the geometry term of eq. 10 (solid) it does not diverge: it never passes 1, its limit.")
+LAST = 1e-4  # cosine at the end of the plot towards grazing; growth is measured over the decade before it
+SET = ("models", *CHAINS, "phong_limit")
 
 
 def albedo_curve(model: str, count: int = 181, **parameters):
@@ -36,6 +53,30 @@ def radiance_curve(model: str, light_angle: float, count: int = 721, **parameter
     return angles, brdf.MODELS[model].evaluate(view, light, **parameters) * np.cos(tilt)
 
 
+def without_geometry(view, light, slope: float = SLOPE):
+    """Cook and Torrance's f in 1/sr with G = 1, (N,): eq. 9 as eq. 12 takes it in the paper's proof of divergence.
+
+    No model of the registry: the geometry term of eq. 10 keeps theirs from diverging.
+    """
+    return beckmann(half(view, light), slope) / (4.0 * view[:, 2] * light[:, 2])
+
+
+def compared_albedo(label: str, cos_theta):
+    """Albedo (N,) of one of COMPARED at N·V = `cos_theta` (N,), with a Fresnel factor of 1."""
+    model, given, *_ = COMPARED[label]
+    if model is None:
+        return np.array([quadrature.hemisphere(without_geometry, view, SLOPE) for view in view_at(cos_theta)])
+    albedo = brdf.MODELS[model].albedo(cos_theta, **given)
+    return albedo if albedo.ndim == 1 else albedo.mean(axis=1)
+
+
+def growth(label: str, last: float = LAST) -> float:
+    """Exponent g of the albedo ~ (N·V)^g of one of COMPARED: its slope, both axes logarithmic, from 10 `last` on."""
+    mu = last * np.array([10.0, 1.0])
+    steep = np.diff(np.log(compared_albedo(label, mu))) / np.diff(np.log(mu))
+    return float(steep[0])
+
+
 def draw(name: str):
     """The figure `name` of SET as a matplotlib Figure. Raises ValueError for another name."""
     import matplotlib
@@ -44,7 +85,10 @@ def draw(name: str):
         raise ValueError(f"no figure {name!r}; there are {', '.join(SET)}")
     with matplotlib.rc_context(STYLE):
         figure, albedo, radiance = _axes()
-        if name == "phong_limit":
+        if name == "models":
+            _draw_models(figure, albedo, radiance)
+            title = "Albedo of widely used models (figure 1), and how it ends at grazing"
+        elif name == "phong_limit":
             _draw_limit(albedo, radiance)
             title = "Where controlled pumping-up of Phong ends (eq. 22)"
         else:
@@ -89,6 +133,25 @@ def _draw_limit(albedo, radiance):
         radiance.plot(*radiance_curve("phong_limit", angle, exponent=100.0), color=SHADES[3])
     radiance.set_title("Output radiance, n = 100, light at 0°, 40° and 80°")
     _finish(albedo, radiance)
+
+
+def _draw_models(figure, albedo, grazing):
+    angles = np.linspace(0.0, 89.75, 180)
+    mu = np.geomspace(1.0, LAST, 81)
+    for label, (_, _, shade, dashes) in COMPARED.items():
+        albedo.plot(angles, compared_albedo(label, np.cos(np.radians(angles))), color=shade, linestyle=dashes,
+                    label=label)
+        slope = growth(label)
+        grazing.plot(mu, compared_albedo(label, mu), color=shade, linestyle=dashes,
+                     label=f"{label}: slope {slope:.2f}".replace("-0.", "−0.") if slope < -0.1 else None)
+    albedo.set(ylim=(0.0, 1.6))
+    albedo.legend(loc="lower left", fontsize=8.5)
+    grazing.axhline(1.0, color="#1b1b1d", linewidth=0.8, linestyle=(0, (4, 3)))
+    grazing.set(title="Towards grazing: the right end is 89.994°", xlabel="N·V = cos θ (dimensionless)",
+                ylabel="albedo a (dimensionless)", xscale="log", yscale="log", xlim=(1.0, LAST), ylim=(5e-3, 4e2))
+    grazing.legend(loc="upper left", fontsize=8.5)
+    figure.get_layout_engine().set(rect=(0.0, 0.1, 1.0, 0.82))
+    figure.text(0.012, 0.025, NOTE, ha="left", va="bottom", size=8.5, color="#55555c")
 
 
 def _finish(albedo, radiance):
