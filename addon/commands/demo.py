@@ -83,7 +83,8 @@ def _resolution(text):
     return int(width), int(height)
 
 
-def _require(package, extra):
+def require(package, extra):
+    """Raise CommandError that names the `extra` to install where `package` cannot be imported."""
     try:
         importlib.import_module(package)
     except ImportError as error:
@@ -94,9 +95,9 @@ def run(arguments):
     names = list(SCENES) if arguments.scene == "all" else [arguments.scene]
     if len(names) > 1 and arguments.save_blend not in (None, SAVE_THERE):
         raise CommandError("--save-blend: one file cannot hold all scenes; name a scene, or no file")
-    _require("bpy", "render")
+    require("bpy", "render")
     if not arguments.save_blend:
-        _require("matplotlib", "demo")
+        require("matplotlib", "demo")
     from ..blender.osl import OslError
 
     try:

@@ -3,9 +3,15 @@ import importlib
 from pathlib import Path
 
 from ..cli import CommandError
+from .demo import require
 
-DESCRIPTION = "Plot albedos, lobes and half vectors of the reference models, as PNG and SVG."
-SETS = {"pumping": "addon.figures.pumping", "disk": "addon.figures.disk", "compare": "addon.figures.compare"}
+DESCRIPTION = ("Plot albedos, lobes and half vectors of the reference models, as PNG and SVG. pumping: the pumping "
+               "paper's figures 1 and 3 to 7. disk: the disk paper's 7, 8 and 13. compare: lobes of all models in "
+               "the plane of incidence, as wide as one another. rtr: spheres with original and with "
+               "normalised Phong highlights, rendered, after figure 7.38 of Real-Time Rendering.")
+SETS = {"pumping": "addon.figures.pumping", "disk": "addon.figures.disk", "compare": "addon.figures.compare",
+        "rtr": "addon.figures.rtr"}
+RENDERED = ("rtr",)
 
 
 def add_arguments(parser):
@@ -18,10 +24,9 @@ def run(arguments):
     for name in arguments.set:
         if name not in SETS:
             raise CommandError(f"no set {name!r}; there are {', '.join(SETS)}")
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError as error:
-        raise CommandError(f"needs matplotlib ({error}); pip install plausible-brdf[demo]") from None
+    require("matplotlib", "demo")
+    if any(name in RENDERED for name in arguments.set or SETS):
+        require("bpy", "render")
     arguments.output.mkdir(parents=True, exist_ok=True)
     for name in arguments.set or SETS:
         for path in write_set(name, arguments.output):

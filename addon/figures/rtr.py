@@ -1,0 +1,56 @@
+"""Figure 7.38 of Real-Time Rendering, rendered: the original Phong highlight above, the normalised one below.
+
+Source: Akenine-Möller, Haines, Hoffman, "Real-Time Rendering", 3rd ed., 2008. Needs bpy, which is asked for only when
+the figure is drawn.
+"""
+import tempfile
+from pathlib import Path
+
+from .disk import INK
+from .pumping import STYLE
+
+SET = ("phong",)
+RESOLUTION, SAMPLES = (880, 440), 64  # twice as wide as high
+ROWS = ("original, kₛ (R·L)ᵐ", "normalised, c (m+2)/(2π) (R·L)ᵐ")
+
+
+def draw(name: str):
+    """The figure `name` of SET as a matplotlib Figure, rendered at RESOLUTION. Raises ValueError for another name."""
+    if name not in SET:
+        raise ValueError(f"no figure {name!r}; there are {', '.join(SET)}")
+    from matplotlib import image
+
+    from ..demo import phong_row
+
+    with tempfile.TemporaryDirectory(prefix="plausible-") as folder:
+        picture = image.imread(phong_row.render(Path(folder), RESOLUTION, SAMPLES))
+    return _assemble(picture, phong_row)
+
+
+def _assemble(picture, row):
+    """A tile for each sphere over its m and the specular factor that it has."""
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    side = picture.shape[0] // 2
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(9.6, 5.95), dpi=150, layout="constrained")
+        FigureCanvasAgg(figure)
+        figure.get_layout_engine().set(rect=(0.0, 0.085, 1.0, 0.845), wspace=0.02, hspace=0.03)
+        tiles = figure.subplots(2, len(row.EXPONENTS))
+        for i, title in enumerate(ROWS):
+            for j, exponent in enumerate(row.EXPONENTS):
+                at = tiles[i, j]
+                at.imshow(picture[i * side:(i + 1) * side, j * side:(j + 1) * side], interpolation="none")
+                at.set(xticks=(), yticks=(), xlabel=f"m = {exponent:g},  factor {row.scale(exponent, i == 1):.3f} 1/sr")
+                at.spines[:].set_visible(False)
+            tiles[i, 0].set_ylabel(title)
+        figure.suptitle("Highlights of red plastic under a sun, not normalised and normalised", x=0.012, y=0.975,
+                        ha="left", va="top", size=13, weight="bold", color=INK)
+        figure.text(0.012, 0.02, (
+            f"After figure 7.38 of Real-Time Rendering: c = {row.SPECULAR:g}, a diffuse part of {row.DIFFUSE[0]:g} in "
+            "red; kₛ is chosen so that the two leftmost spheres match.\n"
+            "One sun, one exposure. Normalised, the highlight grows brighter as it gets narrower; not normalised, its "
+            "light is lost."), size=8.5, color="#55555c", va="bottom")
+    return figure
