@@ -204,6 +204,7 @@ def _check_blend(path, names):
     ("spheres", "disk_spheres.blend", ["Sphere brushed", "Step 1", "Camera"], 15),
     ("road", "night_road.blend", ["Limit face", "Road", "Headlight", "Camera"], 5),
     ("furnace", "invisible_spheres.blend", ["Sphere Ward", "Label Edwards empirical", "Camera"], 8),
+    ("reflector", "light_points.blend", ["Reflector", "Lamp", "Camera"], 1),
 ])
 def test_blends_need_nothing_beside_them(module, blend, names, count, tmp_path):
     import importlib

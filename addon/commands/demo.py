@@ -10,7 +10,8 @@ from ..cli import CommandError
 DESCRIPTION = ("Build and render a scene. metals: a golden tank among metal pyramids, with the reciprocal Phong model, "
                "pumped up once, and pumped up under control. spheres: anisotropic spheres under an HDRI. road: a road "
                "at night with diffuse reflectors and with retroreflectors. furnace: white spheres in a constant "
-               "environment, which vanish where their model conserves energy. all: the four.")
+               "environment, which vanish where their model conserves energy. reflector: a lamp near the focus of a "
+               "paraboloid, by six models of one width, with what tells them apart in reflector.json. all: the five.")
 BLENDS = Path(__file__).resolve().parents[2] / "demo_blends"
 SAVE_THERE = object()  # --save-blend without a file
 
@@ -53,6 +54,12 @@ SCENES = {
         "In a constant environment, after figure 2 of Edwards et al. Lobes of about one width (Blinn exponent 20).\n"
         "Where a model neither loses nor makes light, its sphere cannot be seen. No denoising.",
         1, (960, 480), 96),
+    "reflector": Scene(
+        "reflector", "light_points.png", "light_points.blend", "Light points on a reflector in stock Cycles",
+        "A lamp inside the focus of a paraboloid seen 30° off its axis, after Sawicki: models with one half-value "
+        "angle at normal incidence.\nRight: radiance over the brightest of He-Torrance's. Light, and shape at equal "
+        "light, are compared with He-Torrance's: ± is the standard error by two seeds.",
+        2, (320, 300), 64),
 }
 
 
@@ -64,7 +71,8 @@ def add_arguments(parser):
     parser.add_argument("--samples", type=_count, metavar="N",
                         help="samples per pixel, at most (default 64; spheres 48, furnace 96)")
     parser.add_argument("--resolution", type=_resolution, metavar="WxH",
-                        help="size of each panel (default 480x360; spheres 640x480, road 640x368, furnace 960x480)")
+                        help="size of each panel (default 480x360; spheres 640x480, road 640x368, furnace 960x480, "
+                             "reflector 320x300)")
     parser.add_argument("--save-blend", type=Path, nargs="?", const=SAVE_THERE, metavar="FILE",
                         help="only write the scene, dressed as the last panel (default its own file in demo_blends)")
 
