@@ -97,12 +97,6 @@ def test_all_are_as_wide_as_the_reference():
     assert ward == pytest.approx(0.5, abs=1e-6)
 
 
-def test_a_width_that_no_parameter_gives_is_an_error(monkeypatch):
-    monkeypatch.setattr(reflector, "MATCHED", (("he_torrance", ("wavelength",)),))
-    with pytest.raises(ValueError, match="matches the reference"):
-        reflector.surfaces()
-
-
 def test_comparing_figures_of_known_difference():
     """Two bells, the second three times as bright and with a ripple of 20 % of the first's root mean square."""
     rng = np.random.default_rng(5)
@@ -127,7 +121,7 @@ def test_pictures_and_numbers_are_written(tmp_path, monkeypatch, capsys):
     from addon import cli
 
     monkeypatch.setattr(reflector, "REFERENCE", ("phong", {"exponent": 37.0}))
-    monkeypatch.setattr(reflector, "MATCHED", (("pumped_phong", ("exponent",)),))
+    monkeypatch.setattr(reflector, "MATCHED", ("pumped_phong",))
     arguments = ["demo", "reflector", "--output", str(tmp_path), "--samples", "1", "--resolution", "48x45"]
     assert cli.main(arguments) == 0
     assert str(tmp_path / "light_points.png") in capsys.readouterr().out

@@ -49,7 +49,7 @@ def build(resolution):
 
 
 def render(folder: Path, resolution, samples: int) -> Path:
-    """Build and render; returns the path of the PNG, with transparent ground, beside its EXR."""
+    """Build and render; returns the path of the PNG, beside its EXR."""
     scene = build(resolution)
     picture.prepare(scene, samples, exposure=0.0, indirect_clamp=0.0, bounces=1)
     scene.cycles.use_adaptive_sampling = False
@@ -66,22 +66,16 @@ def _towards(direction):
 def _plastic(exponent, normalized):
     """Phong's highlight over Cycles' own diffuse closure, which is c_diff/pi.
 
-    The original is mixed in by k_s: as a white one it bakes for one channel, not for three.
+    Both are (m+2)/(2 pi) c (R·L)^m, with the c that gives their k_s.
     """
     from .. import create_material
 
-    name = f"Plastic m = {exponent:g}{' normalized' if normalized else ''}"
-    given = {"name": name, "exponent": exponent, "samples": 8}
-    material = (create_material("phong", base_color=SPECULAR, **given) if normalized
-                else create_material("phong_original", **given))
+    colour = scale(exponent, normalized) * 2.0 * math.pi / (exponent + 2.0)
+    material = create_material("phong", name=f"Plastic m = {exponent:g}{' normalized' if normalized else ''}",
+                               exponent=exponent, base_color=colour)
     nodes, links = material.node_tree.nodes, material.node_tree.links
     surface = material.node_tree.get_output_node("CYCLES").inputs["Surface"]
     highlight = surface.links[0].from_socket
-    if not normalized:
-        mixed = nodes.new("ShaderNodeMixShader")  # with nothing in its first socket, a factor
-        mixed.inputs[0].default_value = scale(exponent, False)
-        links.new(highlight, mixed.inputs[2])
-        highlight = mixed.outputs[0]
     diffuse, both = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeAddShader")
     diffuse.inputs["Color"].default_value = (*DIFFUSE, 1.0)
     links.new(highlight, both.inputs[0])

@@ -15,6 +15,7 @@ import bpy
 import numpy as np
 
 from .. import brdf
+from ..fitting import match
 from . import parts, picture, shapes
 
 FOCUS, RIM = 0.1, 0.19  # focal length, and radius of the rim
@@ -22,14 +23,12 @@ FOCUS, RIM = 0.1, 0.19  # focal length, and radius of the rim
 LAMP = (0.0, 0.0, 0.06)
 LAMP_POWER, LAMP_RADIUS = 0.02, 0.002  # W and m: the brightest picture just stays below white
 VIEW_ANGLE = 30.0  # degrees between the axis and the view, which is parallel
-VIEW_WIDTH = 0.42
+VIEW_WIDTH = 0.48
 CENTRE = (0.0, 0.0, 0.035)  # what the camera looks at
 DECADES = 3.0  # of the picture in false colour
 # The reference, which others are as wide as: rough enough to show no mirror image of the lamp up to 70 degrees.
 REFERENCE = ("he_torrance", {"sigma": 0.4, "tau": 7.0})
-MATCHED = (  # (model, the parameters that set its width)
-    ("cook_torrance", ("roughness",)), ("ashikhmin_shirley", ("exponent_u", "exponent_v")),
-    ("ward", ("roughness_u", "roughness_v")), ("phong", ("exponent",)), ("pumped_phong", ("exponent",)))
+MATCHED = ("cook_torrance", "ashikhmin_shirley", "ward", "phong", "pumped_phong")
 
 
 @dataclass(frozen=True)
@@ -48,28 +47,19 @@ class Surface:
         return ", ".join([brdf.MODELS[self.model].label, *(f"{name} = {value:.3g}" for name, value in shown.items())])
 
 
-def relative(model: str, angle: float, parameters) -> float:
-    """f at normal view with the half vector at `angle` (radians) from the normal, over f at the normal."""
-    light = np.array([[0.0, 0.0, 1.0], [math.sin(2.0 * angle), 0.0, math.cos(2.0 * angle)]])
-    top, aside = brdf.MODELS[model].evaluate([0.0, 0.0, 1.0], light, **parameters).reshape(2, -1)[:, 0]
-    return aside / top
-
-
 def half_angle() -> float:
     """The half vector's angle (radians) at which the reference has fallen to half of its peak."""
     model, parameters = REFERENCE
-    return _bisect(lambda angle: relative(model, angle, parameters) - 0.5, 1e-3, 0.5)
+    return match.half_angle(brdf.MODELS[model], parameters, match.ALONG)
 
 
 def surfaces() -> list:
     """The reference, and the other models at its width."""
-    angle, found = half_angle(), [Surface(*REFERENCE)]
-    for model, names in MATCHED:
-        def off(value, model=model, names=names):
-            return relative(model, angle, dict.fromkeys(names, value)) - 0.5
-
-        parameter = brdf.MODELS[model].parameter(names[0])
-        found.append(Surface(model, dict.fromkeys(names, _bisect(off, parameter.minimum, parameter.maximum))))
+    found = [Surface(*REFERENCE)]
+    for model in MATCHED:
+        names = brdf.MODELS[model].axes or (brdf.MODELS[model].shape,)
+        matched = match.match(*REFERENCE, model).parameters
+        found.append(Surface(model, {name: matched[name] for name in names}))
     return found
 
 
@@ -172,20 +162,6 @@ def save_blend(path: Path, resolution, samples: int):
     parts.save(scene, path)
 
 
-def _bisect(function, low, high):
-    """Where `function` changes its sign between `low` and `high`, both above 0, to a relative 1e-9.
-
-    Raises ValueError where it does not.
-    """
-    rising = function(high) > 0.0
-    if (function(low) > 0.0) == rising:
-        raise ValueError(f"no width between {low:g} and {high:g} matches the reference")
-    while high / low > 1.0 + 1e-9:
-        middle = math.sqrt(low * high)
-        low, high = (low, middle) if (function(middle) > 0.0) == rising else (middle, high)
-    return middle
-
-
 def _render_twice(scene, folder, stem):
     """Path of the PNG, and radiance (2, height, width) for two seeds, first row at the bottom."""
     with tempfile.TemporaryDirectory(prefix="plausible-") as aside:
@@ -238,7 +214,7 @@ def _show(png, radiance, brightest, measured):
         at.set(xlim=extent[:2], ylim=extent[2:])
         at.axis("off")
     small = max(min(width / 320.0, 1.2), 0.2)
-    bar = figure.colorbar(shown, cax=figure.add_axes((0.94, 0.07, 0.008, 0.86)))
+    bar = figure.colorbar(shown, cax=figure.add_axes((0.953, 0.07, 0.008, 0.86)))
     ticks = [10.0**-d for d in range(int(DECADES) + 1)]
     bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     bar.ax.tick_params(colors="white", labelsize=7.5 * small, length=2, pad=1.5)

@@ -6,11 +6,13 @@ the figure is drawn.
 import tempfile
 from pathlib import Path
 
-from .disk import INK
-from .pumping import STYLE
+import numpy as np
+
+from .style import GREY, INK, STYLE
 
 SET = ("phong",)
 RESOLUTION, SAMPLES = (880, 440), 64  # twice as wide as high
+GROUND = 0.82  # gray, so that the dark side of a sphere is seen against it
 ROWS = ("original, kₛ (R·L)ᵐ", "normalised, c (m+2)/(2π) (R·L)ᵐ")
 
 
@@ -25,6 +27,13 @@ def draw(name: str):
     with tempfile.TemporaryDirectory(prefix="plausible-") as folder:
         picture = image.imread(phong_row.render(Path(folder), RESOLUTION, SAMPLES))
     return _assemble(picture, phong_row)
+
+
+def _before_ground(tile, radius):
+    """A tile (side, side, 3) with GROUND in place of what lies outside the sphere of `radius` pixels in its middle."""
+    x = np.arange(len(tile)) + 0.5 - 0.5 * len(tile)
+    inside = np.clip(radius - np.hypot(x, x[:, None]) + 0.5, 0.0, 1.0)[..., None]
+    return inside * tile + (1.0 - inside) * GROUND
 
 
 def _assemble(picture, row):
@@ -42,7 +51,8 @@ def _assemble(picture, row):
         for i, title in enumerate(ROWS):
             for j, exponent in enumerate(row.EXPONENTS):
                 at = tiles[i, j]
-                at.imshow(picture[i * side:(i + 1) * side, j * side:(j + 1) * side], interpolation="none")
+                tile = picture[i * side:(i + 1) * side, j * side:(j + 1) * side, :3]
+                at.imshow(_before_ground(tile, row.RADIUS / row.SPACING * side), interpolation="none")
                 at.set(xticks=(), yticks=(), xlabel=f"m = {exponent:g},  factor {row.scale(exponent, i == 1):.3f} 1/sr")
                 at.spines[:].set_visible(False)
             tiles[i, 0].set_ylabel(title)
@@ -52,5 +62,5 @@ def _assemble(picture, row):
             f"After figure 7.38 of Real-Time Rendering: c = {row.SPECULAR:g}, a diffuse part of {row.DIFFUSE[0]:g} in "
             "red; kₛ is chosen so that the two leftmost spheres match.\n"
             "One sun, one exposure. Normalised, the highlight grows brighter as it gets narrower; not normalised, its "
-            "light is lost."), size=8.5, color="#55555c", va="bottom")
+            "light is lost."), size=8.5, color=GREY, va="bottom")
     return figure
