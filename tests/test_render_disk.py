@@ -50,9 +50,11 @@ FURNACE = [
     *[("disk_scaling", {"exponent": n, **shape}) for n in (0.0, 50.0, 5000.0) for shape in (SMALL, THIN)],
     *[("edwards_fit", {**WHITE, "exponent": n, "second_exponent": 2.0 * n + 1.0, "radius": r, "second_radius": 1.0})
       for n, r in ((0.0, 0.3), (5.0, 0.8), (50.0, 0.3), (500.0, 1.0), (5000.0, 0.05))],
+    ("edwards_fit", {**WHITE, "exponent": 2.5, "radius": 1.0, "blend": 0.0}),
     ("edwards_fit", {**WHITE, "renormalize": False}),
     ("edwards_fit", {**WHITE, "renormalize": False, "exponent": 500.0, "second_exponent": 0.0}),
     ("disk_orthogonal", {"exponent": 20.0, "radius_u": 0.9, "radius_v": 0.1, "rotation": 0.2}),
+    ("disk_orthogonal", {"exponent": 1.0}),
     ("edwards_empirical", {"base_color": 0.5, "retro": 0.4, "exponent": 1.0, "retro_exponent": 5.0, "samples": 8}),
     ("edwards_empirical", {"retro": 0.9, "base_color": (0.9, 0.5, 0.1), "retro_exponent": 500.0, **THIN}),
     ("edwards_empirical", {"vary_exponents": True, "exponent": 5.0, "grazing_exponent": 200.0, "base_color": 0.3}),

@@ -15,6 +15,7 @@
 #define STRAIGHT 0.05     // where the disk's map is as straight as this
 #define BENT 0.9          // share that the bells leave to splats, for its bending: they follow a bent lump badly
 #define TOO_BENT 1.0      // there is no use in bells
+#define STEEP_BENT 0.4    // nor, here, in many narrow ones
 #define WIDEST 0.15       // of a lump's standard deviation: splats; WIDER for sharp lumps, which are nearly bells,
 #define WIDER 0.35
 #define BLUR 0.0065       // and of steep lumps no more than this over what is left
@@ -149,8 +150,12 @@ void add_bell(Disk d, Lump p, float x, float y, float deviation, float weight, o
 
 // How much the disk's map changes over one standard deviation of the lump: 0 where it is affine. What the scaling
 // projection's bells lean against, that microfacets are seen in proportion to V.H, bends nothing.
-float bending(Disk d, Lump p, Spot s, float deviation)
+float bending(Disk d, Lump p)
 {
+    float deviation = lump_deviation(p.n);
+    Spot s;
+    if (!disk_spot(d, p.centre, s))
+        return 2.0 * TOO_BENT;
     vector a = half_step(d, s, deviation * p.radii[0] * p.along);
     vector b = half_step(d, s, deviation * p.radii[1] * p.across);
     vector growth = disk_growth(d, s);
@@ -159,12 +164,12 @@ float bending(Disk d, Lump p, Spot s, float deviation)
     return hypot(dot(growth, a), dot(growth, b)) + 0.8 * (dot(a, a) + dot(b, b));
 }
 
-// A row of the table of bells between its nodes, see addon/baking/bells.py; of a steep lump, where there is room for so
-// many bells, with what they leave. Returns whether it is one of those.
-int bells_row(float n, int room_for_many, float table[], output float row[])
+// A row of the table of bells between its nodes, see addon/baking/bells.py; with `many`, of a steep lump, with what they
+// leave. Returns whether it is one of those.
+int bells_row(float n, int many, float table[], output float row[])
 {
     float at = BELLS_PER_UNIT / (n + 1.0);
-    int steep = room_for_many && at >= STEEP_FROM;
+    int steep = many && at >= STEEP_FROM;
     int size = steep ? STEEP_ROW : 8;
     int i = min((int)at, BELLS_PER_UNIT - 1);
     int first = steep ? STEEP_ROWS + size * (i - STEEP_FROM) : size * i;
@@ -183,18 +188,16 @@ void add_ring(Disk d, Lump p, float row[], int ring, int count, float deviation,
     }
 }
 
-void make_bells(Disk d, Lump p, float gain, int steep, float row[], output Bells b)
+void make_bells(Disk d, Lump p, float gain, float bent, int steep, float row[], output Bells b)
 {
     float v = 1.0 / (p.n + 1.0);
     float deviation = lump_deviation(p.n);
     b.count = 0;
     b.share = 0.0;
     b.total = 0.0;
-    Spot s;
-    float bent = disk_spot(d, p.centre, s) ? bending(d, p, s, deviation) : 2.0 * TOO_BENT;
     if (bent > TOO_BENT)
         return;
-    // The many bells of a steep lump are narrow, and follow a bent one.
+    // The many bells of a steep lump are narrow, and follow one that is bent a little.
     b.share = steep ? gain * mix(0.97, 1.0, clamp(4.0 * v - 1.0, 0.0, 1.0)) : gain * (1.0 - min(BENT * bent, 0.6));
     if (v < SLENDER && bent < STRAIGHT) {
         add_bell(d, p, 0.0, 0.0, deviation, b.share * (1.0 - 0.8 * v), b);
@@ -261,9 +264,10 @@ closure color estimate_lump(Disk d, Lump given, Target t, color tint, vector num
     color base_tint = target_tint(t);
     float gain = target_gain(t, d, p, albedos);
     Lump like = target_like(t, d, p);
+    float bent = bending(d, like);
     float row[STEEP_ROW];
-    int steep = bells_row(p.n, room_for_many, table, row);
-    make_bells(d, like, gain * like.radii[0] * like.radii[1] / (p.radii[0] * p.radii[1]), steep, row, b);
+    int steep = bells_row(p.n, room_for_many && bent < STEEP_BENT, table, row);
+    make_bells(d, like, gain * like.radii[0] * like.radii[1] / (p.radii[0] * p.radii[1]), bent, steep, row, b);
     float left = 1.0 - b.total;
     int count = clamp((int)ceil(samples * left / MUCH_LEFT), 1, samples);
     float chance = clamp(left / LITTLE_LEFT, 0.05, 1.0);
