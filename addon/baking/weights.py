@@ -64,7 +64,11 @@ class Layout:
 
     def view_angles(self):
         """Angles of the rows of one azimuth in radians, (views,)."""
-        return STEEPEST * (1.0 - (1.0 - np.arange(self.views) / (self.views - 1)) ** CROWDED)
+        return self.angle_at(np.arange(self.views))
+
+    def angle_at(self, place):
+        """Angle from the normal in radians at the `place` of a row, 0 .. views - 1, or between two."""
+        return STEEPEST * (1.0 - (1.0 - place / (self.views - 1)) ** CROWDED)
 
     def seen_from(self):
         """The rows' views, (azimuths * views, 3)."""
@@ -225,7 +229,7 @@ def facet_value(slopes, widths, view, light):
     return np.where(seen, d / (4.0 * v[2] * (1.0 + _lambda(v, widths) + _lambda(lit, widths))), 0.0)
 
 
-def _sides_value(look, slopes, widths, light):
+def sides_value(look, slopes, widths, light):
     """`facet_value`; of a round formula's facets off the plane of incidence, that of the pair on either side of it."""
     value = facet_value(slopes, widths, look.view, light)
     if slopes[1] and look.layout.azimuths == 1:
@@ -273,7 +277,7 @@ def _mirrors(view, slopes):
 def _shown(look, candidates):
     """Densities of the candidates, pairs together, and of a diffuse closure last: (candidates + 1, RINGS, turns)."""
     stretch = np.where(look.lit, 4.0 * np.maximum(look.half @ look.view, 0.0), 0.0)
-    found = [_sides_value(look, slopes, widths, look.light) * stretch for slopes, widths in candidates]
+    found = [sides_value(look, slopes, widths, look.light) * stretch for slopes, widths in candidates]
     found.append(np.where(look.lit, look.light[..., 2] / np.pi, 0.0) * stretch)
     return np.array(found)
 
@@ -348,6 +352,14 @@ def _from_below(basis, target, area, steps=STEPS):
     return weight
 
 
+def parts(row, layout, channels):
+    """The facets (FACETS, FACET), diffuse colour (3,), edges of rings, of cells around each, and energies of a row."""
+    ends = np.cumsum([1, FACETS * FACET, 3, layout.cell_rings + 1, layout.cell_rings * (layout.cell_turns + 1)])
+    facets, diffuse, rings, turns, energies = np.split(row, ends)[1:]
+    return (facets.reshape(-1, FACET), diffuse, rings, turns.reshape(layout.cell_rings, -1),
+            energies.reshape(layout.cell_rings, layout.cell_turns, channels))
+
+
 # What is left over.
 
 
@@ -381,7 +393,7 @@ def _base_energy(look, facets, diffuse):
     def value(view, light):
         total = np.zeros((len(light), 3))
         for facet in some:
-            total += _sides_value(look, facet[:2], facet[2:4], light)[:, None] * facet[4:]
+            total += sides_value(look, facet[:2], facet[2:4], light)[:, None] * facet[4:]
         return total / light[:, 2:]
 
     return diffuse + quadrature.hemisphere(value, look.view, min(look.width, DETAIL),

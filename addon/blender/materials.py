@@ -4,11 +4,13 @@ import json
 import bpy
 
 from .. import brdf
+from ..baking import weights_error
 from ..fitting import match
 from ..shading import source
 from . import osl
 
 BAKED_KEY = "plausible_baked"  # the values that the weights of a baked model were made for
+ERROR_KEY = "plausible_baked_error"  # of these weights: largest errors of the lobe and of the albedo up to 80 degrees
 PAUSE = 0.3  # seconds that a value rests before its weights are baked
 CYCLES_OUTPUT, STAND_IN, STAND_IN_OUTPUT = "Cycles Output", "Stand-in for EEVEE", "EEVEE Output"
 
@@ -116,6 +118,11 @@ def is_stale(node) -> bool:
     return model_of(node).baked and node.get(BAKED_KEY) != _values_text(node)
 
 
+def baked_error(node):
+    """Largest errors (of the lobe, of the albedo) of a node's weights up to 80 degrees; None where none are known."""
+    return tuple(node[ERROR_KEY]) if ERROR_KEY in node else None
+
+
 def driven(node) -> list:
     """Labels of parameters that a link drives although the node's weights are for one value of each."""
     model = model_of(node)
@@ -129,8 +136,10 @@ def bake_weights(node):
 
 
 def _note_values(node):
-    if model_of(node).baked:
+    model = model_of(node)
+    if model.baked:
         node[BAKED_KEY] = _values_text(node)
+        node[ERROR_KEY] = weights_error.error(model, values(node)).largest()
 
 
 def _values_text(node):

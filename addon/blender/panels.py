@@ -6,7 +6,7 @@ import bpy
 from ..brdf.disk_model import DiskModel
 from ..brdf.parameters import COLOUR, EMPIRICAL
 from . import luts, operators, status
-from .materials import driven, is_stale, socket_of, values
+from .materials import baked_error, driven, is_stale, socket_of, values
 from .operators import material_of, plausible_node
 from .properties import NAMES
 
@@ -132,6 +132,12 @@ def draw_weights(layout, context, node):
         box = layout.box()
         draw_text(box, context, "The weights are for other values", "TIME")
         box.operator("plausible.bake_weights")
+    elif baked_error(node):
+        note = layout.row()
+        note.active = False
+        lobe, albedo = (f"{100.0 * part:.2g}" for part in baked_error(node))
+        draw_text(note, context, f"Baked: up to 80° lobes are within {lobe} %, their light within {albedo} %",
+                  "CHECKMARK")
 
 
 class _Lobe(_Face):

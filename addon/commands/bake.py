@@ -3,11 +3,16 @@ import json
 import sys
 import time
 
-from ..baking import bake
+import numpy as np
+
+from .. import brdf
+from ..baking import bake, weights, weights_error
 from ..brdf import tables
 from ..cli import CommandError
+from ..verify.subject import settings
 
-DESCRIPTION = "Compute the albedo tables. Cancelling leaves the old tables whole."
+DESCRIPTION = ("Compute the albedo tables. Cancelling leaves the old tables whole. --weights bakes what a model "
+               "without a shader of its own renders by, as creating a material does, and states its error.")
 
 
 def add_arguments(parser):
@@ -17,6 +22,10 @@ def add_arguments(parser):
                         help="write nothing; re-derive the error of every table and fail when one is stale or wrong")
     parser.add_argument("--base-lobes", action="store_true",
                         help="fit the shaders' base lobes instead (noise, blur and speed; needs SciPy)")
+    parser.add_argument("--weights", metavar="MODEL",
+                        help="write nothing; bake the weights of this model, and print their size and error")
+    parser.add_argument("--set", action="append", default=[], metavar="PARAMETER=VALUE", dest="assignments",
+                        help="a parameter of that model; may be repeated")
     parser.add_argument("--output", metavar="DIR", help="folder of the tables (the package's luts by default)")
     parser.add_argument("--workers", type=int, metavar="N", help="processes (one a core by default)")
     parser.add_argument("--json", action="store_true", help="print JSON")
@@ -30,6 +39,8 @@ def run(arguments):
         raise CommandError(f"--workers: {arguments.workers} is less than 1")
     if arguments.output:
         tables.use_folder(arguments.output)
+    if arguments.weights:
+        return _state_weights(arguments)
     if arguments.base_lobes:
         return _fit_base_lobes(arguments)
     return _check(arguments) if arguments.check else _bake(arguments)
@@ -64,6 +75,28 @@ def _fit_base_lobes(arguments):
     except ModuleNotFoundError:
         raise CommandError("fitting base lobes needs SciPy: pip install 'plausible-brdf[bake]'") from None
     print(f"{tables.folder() / bells.FILE}\n{tables.folder() / base.FILE}\nfitted in {time.monotonic() - start:.1f} s")
+
+
+def _state_weights(arguments):
+    model = brdf.find_model(arguments.weights)
+    if not model.baked:
+        raise CommandError(f"{model.id} has a shader of its own, and nothing to bake")
+    given = settings(model, arguments.assignments)
+    start = time.monotonic()
+    baked = weights.weights(model, given)
+    seconds = time.monotonic() - start
+    found = weights_error.error(model, given)
+    report = {"model": model.id, "seconds": round(seconds, 2), "rows": len(baked.rows), "numbers": baked.rows.size,
+              "left": float(np.median(baked.left)), "theta": np.degrees(found.theta).round(1).tolist(),
+              "lobe": found.lobe.tolist(), "albedo": found.albedo.tolist()}
+    if arguments.json:
+        print(json.dumps(report))
+        return
+    print(f"{model.label}: {report['rows']} views, {report['numbers']} numbers, baked in {seconds:.1f} s\n"
+          f"left over to splats: {100.0 * report['left']:.2g} % of the light at the median view\n"
+          "between views that were baked, before the blur of splats:\n  view    lobe   albedo")
+    for angle, lobe, albedo in zip(report["theta"], found.lobe, found.albedo, strict=True):
+        print(f"{angle:5.1f}° {100.0 * lobe:6.2f} % {100.0 * albedo:+6.2f} %")
 
 
 def _check(arguments):

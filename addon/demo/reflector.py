@@ -214,9 +214,9 @@ def _show(png, radiance, brightest, measured):
         at.set(xlim=extent[:2], ylim=extent[2:])
         at.axis("off")
     small = max(min(width / 320.0, 1.2), 0.2)
-    bar = figure.colorbar(shown, cax=figure.add_axes((0.953, 0.07, 0.008, 0.86)))
+    bar = figure.colorbar(shown, cax=figure.add_axes((0.952, 0.07, 0.008, 0.86)))
     ticks = [10.0**-d for d in range(int(DECADES) + 1)]
-    bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
+    bar.set_ticks(ticks, labels=[f"{tick:g}".removeprefix("0") for tick in ticks])
     bar.ax.tick_params(colors="white", labelsize=7.5 * small, length=2, pad=1.5)
     bar.outline.set_visible(False)
     words = "the reference" if measured is None else (
