@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from addon.baking import weights
+from addon.baking import weights, weights_error
 from addon.brdf import tables
 
 
@@ -18,4 +18,6 @@ def table_folder(tmp_path):
 def no_weights(monkeypatch):
     """Baked models get a few zeros for weights, at once, in tests that do not render."""
     few = weights.Weights(weights.ROUND, np.zeros((1, 1)), np.zeros((0, 3)), 1, np.zeros(1))
+    known = weights_error.WeightsError(np.zeros(1), np.array([0.012]), np.array([-0.001]))
     monkeypatch.setattr(weights, "weights", lambda model, parameters: few)
+    monkeypatch.setattr(weights_error, "error", lambda model, parameters: known)

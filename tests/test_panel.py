@@ -254,6 +254,19 @@ def test_convert_bakes_once_and_holds_at_the_end_of_a_range(bpy, monkeypatch, no
     assert "Warning" in words and "Exponent ends before the width of Blinn, 32.8°" in words
 
 
+def test_the_error_of_baked_weights_is_shown_while_they_hold(bpy, no_weights):
+    from addon.blender import materials
+
+    def words(material):
+        return texts(drawn(context_for(bpy, material)))
+
+    material = make("ward")
+    assert "within 1.2 %, their light within 0.1 %" in words(material)
+    assert "Baked:" not in words(make("phong"))
+    next(s for s in materials.script_node(material).inputs if s.identifier == "roughness_u").default_value = 0.4
+    assert "The weights are for other values" in words(material) and "Baked:" not in words(material)
+
+
 def test_convert_can_be_undone(bpy, no_weights):
     material = make("blinn", exponent=50.0)
     name = material.name
