@@ -147,6 +147,13 @@ def test_what_is_left_to_splats():
     assert np.median(shares["lafortune"]) < 0.15
 
 
+@pytest.mark.parametrize("name, given", [("ward", {}), STRETCHED[0], ("he_torrance", {})], ids=name_of)
+def test_blank_weights_are_as_long_as_baked_ones(name, given):
+    blank, baked = weights.blank(MODELS[name], given), weights.weights(MODELS[name], given)
+    assert blank.layout == baked.layout and blank.channels == baked.channels
+    assert blank.rows.shape == baked.rows.shape and blank.spikes.shape == baked.spikes.shape
+
+
 def test_spikes_are_kept_apart():
     baked = weights.weights(MODELS["he_torrance"], {"sigma": 0.02})
     p = MODELS["he_torrance"].resolve({"sigma": 0.02})

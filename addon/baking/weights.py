@@ -105,11 +105,25 @@ def weights(model, parameters: dict) -> Weights:
     return _weights(model, tuple(sorted((q.id, p[q.id]) for q in model.parameters if q.evaluated)))
 
 
+def blank(model, parameters: dict) -> Weights:
+    """Weights of the form that a model's have, all zero: for what only asks whether its shader compiles."""
+    layout = _layout(model, model.resolve(parameters))
+    cells = layout.cell_rings * layout.cell_turns
+    size = 1 + FACETS * FACET + 3 + layout.cell_rings + 1 + layout.cell_rings * (layout.cell_turns + 1) + cells
+    spikes = np.zeros((((layout.views - 1) * SPIKES + 1) if model.spike else 0, 3))
+    rows = np.zeros((layout.azimuths * layout.views, size))
+    return Weights(layout, rows, spikes, 1, rows[:, 0])
+
+
+def _layout(model, p):
+    stretch = model.stretched(p) if model.stretched else (1.0, 1.0)
+    return ROUND if stretch[0] == stretch[1] else replace(STRETCHED, stretch=stretch)
+
+
 @lru_cache(maxsize=32)
 def _weights(model, key):
     p = model.resolve(dict(key))
-    stretch = model.stretched(p) if model.stretched else (1.0, 1.0)
-    layout = ROUND if stretch[0] == stretch[1] else replace(STRETCHED, stretch=stretch)
+    layout = _layout(model, p)
     looks = [Look.at(model, p, view, layout) for view in layout.seen_from()]
     share = _fitted(looks)
     rows = [_row(look, weight) for look, weight in zip(looks, share, strict=True)]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import bpy
 
+from ..baking import weights
 from ..shading import source
 
 MODEL_KEY = "plausible_model"
@@ -38,7 +39,18 @@ def compile_model(model, lut: str = source.COMPILED, parameters: dict | None = N
     reason = unavailable()
     if reason:
         raise OslError(reason)
-    text = source.assemble(model, lut, parameters)
+    return _compiled_once(model, source.assemble(model, lut, parameters))
+
+
+def check_model(model):
+    """Compile a model's shader without what is baked for its parameters. Raises as `compile_model`."""
+    if model.baked:
+        _compiled_once(model, source.assemble(model, baked=weights.blank(model, {})))
+    else:
+        compile_model(model)
+
+
+def _compiled_once(model, text):
     key = hashlib.md5(text.encode()).hexdigest()
     if key not in _compiled:
         _compiled[key] = _compile(model, text)

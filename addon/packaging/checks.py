@@ -27,7 +27,7 @@ def check_shaders():
     if reason:
         return reason
     for model in MODELS.values():
-        osl.compile_model(model)
+        osl.check_model(model)
     return len(MODELS)
 
 

@@ -19,8 +19,8 @@ def shader_path(model) -> Path:
     return _OSL / ("weights.osl" if model.baked else f"{model.id}.osl")
 
 
-def assemble(model, lut: str = COMPILED, parameters: dict | None = None) -> str:
-    """OSL source of `model`, without includes. A baked model's weights are those for its `parameters`.
+def assemble(model, lut: str = COMPILED, parameters: dict | None = None, baked=None) -> str:
+    """OSL source of `model`, without includes. A baked model's weights are those for its `parameters`, or `baked`.
 
     `lut` is "compiled" (tables are numbers in the text) or "file" (tables are read by texture(); their paths are the
     string parameters table_plain and table_controlled). Raises ValueError for another `lut`, brdf.TableError when a
@@ -30,7 +30,7 @@ def assemble(model, lut: str = COMPILED, parameters: dict | None = None) -> str:
         raise ValueError(f"lut: {lut!r} is not one of {COMPILED}, {FILE}")
     text = _flattened(shader_path(model), set())
     if model.baked:
-        return _weights(model, parameters or {}) + text
+        return _weights(model, parameters or {}, baked) + text
     return _definitions(model, lut) + text
 
 
@@ -78,10 +78,10 @@ def _definitions(model, lut) -> str:
 _TYPES = {"float": "float", "int": "int", "bool": "int", "enum": "int", "color": "color", "vector": "normal"}
 
 
-def _weights(model, given):
+def _weights(model, given, baked):
     """Macros of a baked model: its signature, what its inputs must be for its weights to hold, and the weights."""
     p = model.resolve(given)
-    baked = weights.weights(model, given)
+    baked = baked or weights.weights(model, given)
     inputs = [f"{_TYPES[q.kind]} {q.id} = {_literal(_TYPES[q.kind], q.default)}" for q in model.parameters]
     matches = [_matches(q, p[q.id]) for q in model.parameters if q.evaluated]
     layout = baked.layout
