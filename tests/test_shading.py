@@ -18,7 +18,8 @@ ON_BELLS = {name: model for name, model in WRITTEN.items() if name not in ON_BAS
 SIGNATURE = re.compile(r"^shader (\w+)\((.*?)\)\n\{", re.MULTILINE | re.DOTALL)
 INPUT = re.compile(r"(float|int|color|normal) (\w+) = (color\([^)]*\)|[-\d.]+) \[\[(.*?)\]\]$", re.DOTALL)
 HINT = re.compile(r'(string|float|int) (\w+) = ("[^"]*"|[-\d.]+)')
-TYPES = {"float": "float", "int": "int", "bool": "int", "enum": "int", "color": "color", "vector": "normal"}
+TYPES = {"float": "float", "int": "int", "bool": "int", "enum": "int", "color": "color", "vector": "normal",
+         "image": "string"}
 
 
 def signature(model):
@@ -182,10 +183,10 @@ def test_baked_models_are_written_from_their_declaration(model, monkeypatch):
     text = source.assemble(model)
     assert f"#define MODEL {model.id}\n" in text and "#include" not in text
     inputs = re.search(r"#define MODEL_PARAMETERS (.*)\n", text)[1]
-    found = re.findall(r"(float|int|color|normal) (\w+) = ((?:color|normal)\([^)]*\)|[-\d.e]+)", inputs)
+    found = re.findall(r'(float|int|color|normal|string) (\w+) = ((?:color|normal)\([^)]*\)|[-\d.e]+|"[^"]*")', inputs)
     assert [(kind, name) for kind, name, _ in found] == [(TYPES[p.kind], p.id) for p in model.parameters]
     for (kind, name, default), parameter in zip(found, model.parameters, strict=True):
-        assert numbers(kind, default) == parameter.default, name
+        assert (json.loads(default) if kind == "string" else numbers(kind, default)) == parameter.default, name
         assert ("(" in default) == (kind in ("color", "normal")), f"{name}: Cycles sets no input of another type"
     conditions = re.search(r"#define MODEL_MATCHES (.*)\n", text)[1]
     asked = set(re.findall(r"\b[a-z]\w*\b", conditions)) - {"abs", "e"}

@@ -16,8 +16,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..brdf import quadrature
-
 STEEPEST = np.radians(89.5)  # view of the last row
 CROWDED = 1.5  # how much denser rows are towards grazing
 RINGS = 72  # of half vectors where the formula is looked at, over sin(theta_h)
@@ -43,11 +41,12 @@ BROAD = (((0.0, 0.0), (1.0, 1.0)), ((-0.5, 0.0), (1.0, 1.0)), ((0.5, 0.0), (1.0,
 
 @dataclass(frozen=True)
 class Layout:
-    """Rows for `views` angles from the normal at each of `azimuths` from the tangent, 0 to 90 degrees.
+    """Rows for `views` angles from the normal at each of `azimuths` from the tangent, 0 to 90 degrees or all around.
 
     With one azimuth the formula is round about the normal: half vectors on one side of the plane of incidence tell all.
-    It is looked at in `turns` directions around, and cut into `cell_rings` times `cell_turns` cells. Rings are ellipses
-    of half vectors with the half axes s times `stretch`, s being their size.
+    Azimuths of 0 to 90 degrees tell all of what is its own mirror image about both axes; of other formulas they are
+    spread over the `whole` turn. It is looked at in `turns` directions around, and cut into `cell_rings` times
+    `cell_turns` cells. Rings are ellipses of half vectors with the half axes s times `stretch`, s being their size.
     """
 
     views: int
@@ -56,6 +55,7 @@ class Layout:
     cell_rings: int
     cell_turns: int
     stretch: tuple = (1.0, 1.0)
+    whole: bool = False
 
     @property
     def around(self) -> float:
@@ -72,13 +72,17 @@ class Layout:
 
     def seen_from(self):
         """The rows' views, (azimuths * views, 3)."""
-        theta, phi = self.view_angles(), np.linspace(0.0, 0.5 * np.pi, self.azimuths)[:, None]
+        turn = 2.0 * np.pi if self.whole else 0.5 * np.pi
+        theta, phi = self.view_angles(), np.linspace(0.0, turn, self.azimuths, endpoint=not self.whole)[:, None]
         x, y, z = np.broadcast_arrays(np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta))
         return np.stack([x, y, z], axis=-1).reshape(-1, 3)
 
 
 ROUND = Layout(views=48, azimuths=1, turns=40, cell_rings=20, cell_turns=24)
 STRETCHED = Layout(views=24, azimuths=5, turns=64, cell_rings=16, cell_turns=24)
+# Lobes of any shape need small cells, and change little from view to view.
+PAINTED = Layout(views=12, azimuths=4, turns=96, cell_rings=32, cell_turns=48)
+PAINTED_WHOLE = Layout(views=10, azimuths=12, turns=96, cell_rings=22, cell_turns=30, whole=True)
 
 
 @dataclass(frozen=True)
@@ -102,7 +106,8 @@ def weights(model, parameters: dict) -> Weights:
     Raises ValueError where the formula gives what is no reflectance: numbers that are negative or not finite.
     """
     p = model.resolve(parameters)
-    return _weights(model, tuple(sorted((q.id, p[q.id]) for q in model.parameters if q.evaluated)))
+    used = [q for q in model.parameters if q.evaluated]
+    return _weights(model, tuple(sorted((q.id, p[q.id]) for q in used)), tuple(q.stamp(p[q.id]) for q in used))
 
 
 def blank(model, parameters: dict) -> Weights:
@@ -115,13 +120,8 @@ def blank(model, parameters: dict) -> Weights:
     return Weights(layout, rows, spikes, 1, rows[:, 0])
 
 
-def _layout(model, p):
-    stretch = model.stretched(p) if model.stretched else (1.0, 1.0)
-    return ROUND if stretch[0] == stretch[1] else replace(STRETCHED, stretch=stretch)
-
-
 @lru_cache(maxsize=32)
-def _weights(model, key):
+def _weights(model, key, _):
     p = model.resolve(dict(key))
     layout = _layout(model, p)
     looks = [Look.at(model, p, view, layout) for view in layout.seen_from()]
@@ -136,13 +136,21 @@ def _weights(model, key):
                    np.array([left for _, left in rows]))
 
 
+def _layout(model, p):
+    if model.mirrored:
+        return PAINTED if model.mirrored(p) else PAINTED_WHOLE
+    stretch = model.stretched(p) if model.stretched else (1.0, 1.0)
+    return ROUND if stretch[0] == stretch[1] else replace(STRETCHED, stretch=stretch)
+
+
 @dataclass(frozen=True)
 class Look:
     """A formula seen from one view, on a polar grid of half vectors; of round ones on the side y >= 0.
 
     `s` (RINGS + 1,) are the rings' edges; `light`, `half` (RINGS, turns, 3), `area` (RINGS, turns) the
     solid angle of half vectors, of both sides together. `density` (.., channels) is f (N·L) dω_L / dω_H.
-    `albedo` (channels,) is what its sum would be on a grid without end, and `width` how finely to look for that.
+    `albedo` (channels,) is what its sum would be on a grid without end. `lights()` gives lights and weights, as
+    `FormulaModel.lights`, that resolve bases.
     """
 
     layout: Layout
@@ -154,7 +162,7 @@ class Look:
     area: np.ndarray
     density: np.ndarray
     albedo: np.ndarray
-    width: float
+    lights: object
 
     @classmethod
     def at(cls, model, p, view, layout):
@@ -165,7 +173,7 @@ class Look:
         light, half, lit, area = _grid(view, s, layout.turns, layout)
         density = _density(model, p, view, light, half, lit)
         return cls(layout, view, s, light, half, lit, area, density, np.atleast_1d(model.albedo_from(view, p)),
-                   model.width(p))
+                   lambda: model.lights(view, p, DETAIL, polar=6, azimuthal=24))
 
     @staticmethod
     def _ring_energies(model, p, view, s, layout):
@@ -402,16 +410,11 @@ def _row(look, fitted):
 
 def _base_energy(look, facets, diffuse):
     """Albedo of a base (3,)."""
-    some = [facet for facet in facets if facet[4:].any()]
-
-    def value(view, light):
-        total = np.zeros((len(light), 3))
-        for facet in some:
-            total += sides_value(look, facet[:2], facet[2:4], light)[:, None] * facet[4:]
-        return total / light[:, 2:]
-
-    return diffuse + quadrature.hemisphere(value, look.view, min(look.width, DETAIL),
-                                           mirrored=look.layout.azimuths == 1, polar=6, azimuthal=24)
+    light, weight = look.lights()
+    total = np.zeros((len(light), 3))
+    for facet in facets[facets[:, 4:].any(axis=1)]:
+        total += sides_value(look, facet[:2], facet[2:4], light)[:, None] * facet[4:]
+    return diffuse + (weight / light[:, 2]) @ total
 
 
 def _cells(look, left):

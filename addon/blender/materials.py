@@ -114,8 +114,15 @@ def set_values(node, new: dict):
 
 
 def is_stale(node) -> bool:
-    """Whether a node's weights are for other values than its sockets hold."""
-    return model_of(node).baked and node.get(BAKED_KEY) != _values_text(node)
+    """Whether a node's weights are for other values than its sockets hold, or for an image that has changed since.
+
+    An image that is gone has not changed: the weights are all that is left of it.
+    """
+    if not model_of(node).baked:
+        return False
+    *then, files = json.loads(node.get(BAKED_KEY, "[null, {}]"))
+    *now, files_now = json.loads(_values_text(node))
+    return then != now or any(files.get(name, stamp) != stamp for name, stamp in files_now.items() if stamp)
 
 
 def baked_error(node):
@@ -143,7 +150,9 @@ def _note_values(node):
 
 
 def _values_text(node):
-    return json.dumps(values(node))
+    given = values(node)
+    stamps = {p.id: p.stamp(given[p.id]) for p in model_of(node).parameters if p.kind == "image"}
+    return json.dumps([given, stamps])
 
 
 _resting = {}  # material name -> the timer that waits for its values to rest
@@ -194,7 +203,11 @@ def update_stand_in(material):
     if node is None:
         return
     model = model_of(node)
-    colour, exponent, metallic = model.stand_in(model.resolve(values(node)))
+    try:
+        colour, exponent, metallic = model.stand_in(model.resolve(values(node)))
+    except ValueError as error:  # an image that cannot be read: all stays as it was
+        print(f"Plausible BRDF: {material.name}: {error}")
+        return
     colour = [float(min(max(c, 0.0), 1.0)) for c in colour]
     # A half-vector power of n looks like a Beckmann lobe.
     roughness = brdf.roughness_of_exponent(exponent)

@@ -199,8 +199,7 @@ class PLAUSIBLE_OT_convert(bpy.types.Operator):
 def _matched(found):
     """What a conversion gives, in a line: how wide the lobe is and by which parameters."""
     target = MODELS[found.target]
-    names = dict.fromkeys((target.shape, *target.alongside, *target.axes))
-    values = ", ".join(f"{target.parameter(name).label} {found.parameters[name]:.4g}" for name in names)
+    values = ", ".join(f"{target.parameter(name).label} {found.parameters[name]:.4g}" for name in target.widths)
     narrow, wide = min(found.half_angles), max(found.half_angles)
     angles = f"{narrow:.3g}°" if wide < 1.001 * narrow else f"{found.half_angles[0]:.3g}° × {found.half_angles[1]:.3g}°"
     return f"{target.label}, half-angle {angles}: {values}".replace("inf°", "none")

@@ -12,7 +12,7 @@ from ..shading import source
 MODEL_KEY = "plausible_model"
 LUT_KEY = "plausible_lut"
 SOCKETS = {"float": "NodeSocketFloat", "int": "NodeSocketInt", "enum": "NodeSocketInt", "bool": "NodeSocketBool",
-           "color": "NodeSocketColor", "vector": "NodeSocketVector"}
+           "color": "NodeSocketColor", "vector": "NodeSocketVector", "image": "NodeSocketString"}
 _compiled = {}
 
 

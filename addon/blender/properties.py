@@ -29,6 +29,8 @@ def _held(parameter, value):
 
     if parameter.kind in ("color", "vector"):
         return tuple(hold(number) for number in value)
+    if parameter.kind == "image":
+        return bpy.path.abspath(value)  # what is relative to the .blend means nothing outside Blender
     return value if parameter.kind == "bool" else hold(value)
 
 
@@ -57,6 +59,8 @@ def _property(parameter):
     common = {"name": parameter.label, "description": parameter.help, "options": set(), **_accessors(parameter)}
     if parameter.kind == "bool":
         return bpy.props.BoolProperty(**common)
+    if parameter.kind == "image":
+        return bpy.props.StringProperty(subtype="FILE_PATH", **common)
     if parameter.kind == "int":
         return bpy.props.IntProperty(min=int(parameter.minimum), max=int(parameter.maximum), **common)
     if parameter.kind == "enum":

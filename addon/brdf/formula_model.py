@@ -20,8 +20,9 @@ class FormulaModel(Model):
     `sampler(p)` is what `sample` draws from (see samplers.py). `width(p)` is about the root mean square slope of the
     half vectors of the narrowest lobe: it says how fine to look. `symmetric` tells whether f(V, L) = f(L, V) is
     claimed. `stretched(p)`, of models that know a tangent, x, gives the widths of the lobe along and across it, the
-    larger 1. `spike(mu, p)`, where there is one, is the reflectance (N, 3) of a perfect mirror on top, which is no part
-    of f.
+    larger 1. `mirrored(p)`, of models whose lobe may have any shape, tells whether it is its own mirror image about the
+    tangent and about the direction across it. `spike(mu, p)`, where there is one, is the reflectance (N, 3) of a
+    perfect mirror on top, which is no part of f.
     """
 
     lobe: object
@@ -31,6 +32,7 @@ class FormulaModel(Model):
     diffuse: object = None
     symmetric: bool = True
     stretched: object = None
+    mirrored: object = None
     spike: object = None
 
     baked = True
@@ -56,6 +58,13 @@ class FormulaModel(Model):
         """Albedo without the spike for one view (3,), of resolved parameters: a number or (3,)."""
         return quadrature.hemisphere(lambda v, light: self._value(v, light, p), view, self.width(p),
                                      mirrored=self.stretched is None)
+
+    def lights(self, view, p, widest: float, **counts):
+        """Lights (N, 3) and weights (N,), solid angle times N·L, to integrate what is like the lobe of one view (3,).
+
+        A lobe wider than `widest` is looked at as if it were that; `counts` are those of quadrature.hemisphere_nodes.
+        """
+        return quadrature.hemisphere_nodes(view, min(self.width(p), widest), self.stretched is None, **counts)
 
     def _sample(self, view, u, p):
         return self.sampler(p).sample(view, u)

@@ -1,8 +1,11 @@
 """Parameters of a model: declared once here, and sockets, panel, command line and tests derive from it."""
 import math
+import os
 from dataclasses import dataclass
 
 import numpy as np
+
+from . import images
 
 MIN_EXPONENT, MAX_EXPONENT = 1.0, 100000.0
 
@@ -11,7 +14,8 @@ MIN_EXPONENT, MAX_EXPONENT = 1.0, 100000.0
 class Parameter:
     """One input of a model.
 
-    `kind` is "float", "int", "bool", "enum" (an int with `items`), "color" (linear RGB) or "vector".
+    `kind` is "float", "int", "bool", "enum" (an int with `items`), "color" (linear RGB), "vector" or "image" (the path
+    of a file, as text).
     `evaluated` is False for what steers only the renderer's estimator and has no meaning for the formula.
     """
 
@@ -31,6 +35,8 @@ class Parameter:
         """Return `value` in the parameter's type. Raises ValueError that names the value and what is allowed."""
         if self.kind in ("color", "vector"):
             return self._check_triple(value)
+        if self.kind == "image":
+            return self._check_path(value)
         if self.kind == "enum" and isinstance(value, str):
             names = [item[0] for item in self.items]
             if value not in names:
@@ -49,12 +55,26 @@ class Parameter:
         return bool(number) if self.kind == "bool" else int(number)
 
     def clamp(self, value):
-        """`value`, a number or a triple of the parameter's type, held to the range; NaN becomes the default."""
+        """`value`, of the parameter's type, held to the range if it has one; NaN becomes the default."""
+        if self.kind == "image":
+            return value
         if self.kind in ("color", "vector"):
             held = [min(max(c, self.minimum), self.maximum) if c == c else d
                     for c, d in zip(value, self.default, strict=True)]
             return tuple(held)
         return type(value)(min(max(value, self.minimum), self.maximum)) if value == value else self.default
+
+    def stamp(self, value) -> tuple:
+        """What changes with the file that `value` is the path of; () of any other kind, and where there is none."""
+        return images.stamp(value) if self.kind == "image" and value else ()
+
+    def _check_path(self, value):
+        if not isinstance(value, str | os.PathLike):
+            raise ValueError(f"{self.id}: expected the path of an image, got {value!r}")
+        path = os.fspath(value)
+        if not isinstance(path, str) or not path.isprintable():
+            raise ValueError(f"{self.id}: {path!r} is not the path of a file")
+        return path
 
     def _check_triple(self, value):
         try:
@@ -170,6 +190,11 @@ TANGENT = (
     Parameter("tangent", "Tangent", "vector", (0.0, 0.0, 0.0),
               "Direction that Radius U is measured along; unlinked it runs around the object's z axis",
               -math.inf, math.inf, evaluated=False),
+)
+IMAGE = (
+    Parameter("image", "Image", "image", "", "Picture of the highlight: the hemisphere of half vectors from above, the "
+              "tangent to the right. Only proportions count; empty it is a star", -math.inf, math.inf),
+    Parameter("rotation", "Rotation", "float", 0.0, "Turn of the image about the normal; 1 is a full turn"),
 )
 
 

@@ -14,9 +14,9 @@ class Model:
     """A reflectance model as declared: names, parameters, the tables that it reads, formula and sources.
 
     The subclasses `LobeModel` and `DiskModel` say what it computes. All methods take the model's parameters by id and
-    raise ValueError that names what is wrong. `shape` names the parameter that widens or narrows the lobe; those of
-    its other lobes, `alongside`, are scaled together with it, and what an exponent is the power of, `bases`, changes so
-    that the power stays.
+    raise ValueError that names what is wrong. `shape` names the parameter that widens or narrows the lobe, None where
+    none does; those of its other lobes, `alongside`, are scaled together with it, and what an exponent is the power of,
+    `bases`, changes so that the power stays.
     """
 
     id: str
@@ -43,6 +43,11 @@ class Model:
         ids = [p.id for p in self.parameters]
         pairs = [(name, f"{name[:-1]}v") for name in ids if name.endswith("_u") and f"{name[:-1]}v" in ids]
         return pairs[0] if pairs else ()
+
+    @property
+    def widths(self) -> tuple:
+        """The parameters that say how wide the lobes are, by id; `shape` first."""
+        return tuple(name for name in dict.fromkeys((self.shape, *self.alongside, *self.axes)) if name)
 
     def parameter(self, name: str) -> Parameter:
         for parameter in self.parameters:

@@ -83,11 +83,43 @@ class HalfPower(_HalfVector):
                          np.sqrt(self.nv + 1.0) * np.cos(TWO_PI * u[:, 1]))
         power = self.nu * np.cos(phi) ** 2 + self.nv * np.sin(phi) ** 2
         z = np.maximum(u[:, 0], 1e-300) ** (1.0 / (power + 1.0))
-        across = np.sqrt(np.maximum(1.0 - z * z, 0.0))
-        return np.stack([across * np.cos(phi), across * np.sin(phi), z], axis=-1)
+        return half_vectors(z, phi)
 
     def density(self, h):
         return np.sqrt((self.nu + 1.0) * (self.nv + 1.0)) / TWO_PI * half_power(h, self.nu, self.nv)
+
+
+@dataclass(frozen=True, eq=False)
+class HalfCells(_HalfVector):
+    """Half vectors by the `share` (rings, turns) of each cell of the hemisphere, and evenly in solid angle inside it.
+
+    `rings` (rings + 1,) are the edges of the rings in radians from the normal; a ring's cells are as wide as each
+    other. The shares sum to 1.
+    """
+
+    rings: np.ndarray
+    share: np.ndarray
+
+    def draw(self, u):
+        ends = np.cumsum(self.share.ravel())
+        place = u[:, 0] * ends[-1]
+        cell = np.minimum(np.searchsorted(ends, place), len(ends) - 1)
+        rest = np.clip(1.0 - (ends[cell] - place) / np.maximum(self.share.ravel()[cell], 1e-300), 0.0, 1.0)
+        ring, turn = np.divmod(cell, self.share.shape[1])
+        z = np.cos(self.rings)
+        return half_vectors(z[ring] + rest * (z[ring + 1] - z[ring]), TWO_PI * (turn + u[:, 1]) / self.share.shape[1])
+
+    def density(self, h):
+        rings, turns = self.share.shape
+        ring = np.clip(np.searchsorted(-np.cos(self.rings), -h[:, 2], side="right") - 1, 0, rings - 1)
+        turn = np.minimum((np.arctan2(h[:, 1], h[:, 0]) % TWO_PI / TWO_PI * turns).astype(int), turns - 1)
+        return self.share[ring, turn] / (-np.diff(np.cos(self.rings)) * TWO_PI / turns)[ring]
+
+
+def half_vectors(z, phi):
+    """Unit vectors (..., 3) whose part along the normal is `z` and whose azimuth is `phi`, which broadcast."""
+    across = np.sqrt(np.maximum(1.0 - z * z, 0.0))
+    return np.stack(np.broadcast_arrays(across * np.cos(phi), across * np.sin(phi), z), axis=-1)
 
 
 def half_power(h, nu, nv):

@@ -15,8 +15,8 @@ from . import axes, disk, exr
 from .axes import ColumnAxis, RowAxis, SineAxis
 
 FORMAT = 1
-_PACKAGED = Path(__file__).resolve().parents[2] / "luts"
-_folder = _PACKAGED
+PACKAGED = Path(__file__).resolve().parents[2] / "luts"
+_folder = PACKAGED
 
 
 class TableError(ValueError):
@@ -104,7 +104,7 @@ def folder() -> Path:
 def use_folder(path=None):
     """Read and bake tables in `path`, or in the package's own `luts` again when None."""
     global _folder
-    _folder = Path(path) if path else _PACKAGED
+    _folder = Path(path) if path else PACKAGED
     _loaded.clear()
 
 

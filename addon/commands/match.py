@@ -61,6 +61,8 @@ def shown(parameter, value) -> str:
         return parameter.items[value][0]
     if parameter.kind == "bool":
         return str(value).lower()
+    if parameter.kind == "image":
+        return value
     return ",".join(f"{number:.6g}" for number in np.atleast_1d(value))
 
 

@@ -167,8 +167,7 @@ class _Space:
     def starts(self):
         """The start, and with its lobe narrower and wider, each as x (slots,)."""
         x = np.array([self._part(parameter, triple) for parameter, triple in self.slots])
-        widths = (self.model.shape, *self.model.alongside, *self.model.axes)
-        moves = np.array([parameter.id in widths for parameter, _ in self.slots])
+        moves = np.array([parameter.id in self.model.widths for parameter, _ in self.slots])
         return [np.clip(x + shift * moves, 0.0, 1.0) for shift in _SHIFTS]
 
     def _part(self, parameter, triple):

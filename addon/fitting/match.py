@@ -109,8 +109,13 @@ def shaped(model, values: dict, wanted: tuple, hold: bool = False) -> tuple:
 
     A lobe that is round gets the geometric mean of the two. One with a width for each axis gets both; a lump on the
     disk gets its exponent by the wider axis and the radius of the other. Of an infinite half-angle it comes as near as
-    it can where there is an axis for each, else the other one decides. Raises ValueError as `match`.
+    it can where there is an axis for each, else the other one decides. Where nothing changes the width, all stays.
+    Raises ValueError as `match`.
     """
+    if model.shape is None:
+        if not hold:
+            raise ValueError(f"{model.id}: no parameter changes how wide its lobe is")
+        return values, ()
     axes = dict(zip(model.axes, ((ALONG, wanted[0]), (ACROSS, wanted[1])), strict=False))
     if not axes:
         strands = isinstance(model, FormulaModel) and model.stretched is not None  # nothing sets their other width
@@ -231,8 +236,9 @@ def _ends_of_colour(source, given):
 
 def dropped(source, given: dict, target) -> tuple:
     """Parameters of the source, by id, that say something at the values `given` and that `target` lacks."""
-    there = {p.id for p in target.parameters} | {source.shape, *source.alongside, *source.axes, *_ROUGHNESS}
-    return tuple(name for name in given if name not in there and np.any(given[name]) and _is_read(name, given, there))
+    there = {p.id for p in target.parameters} | {*source.widths, *_ROUGHNESS}
+    return tuple(name for name, value in given.items()
+                 if name not in there and (isinstance(value, str) or np.any(value)) and _is_read(name, given, there))
 
 
 def _is_read(name, given, there):

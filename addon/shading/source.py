@@ -75,7 +75,8 @@ def _definitions(model, lut) -> str:
     return "\n".join(lines) + "\n"
 
 
-_TYPES = {"float": "float", "int": "int", "bool": "int", "enum": "int", "color": "color", "vector": "normal"}
+_TYPES = {"float": "float", "int": "int", "bool": "int", "enum": "int", "color": "color", "vector": "normal",
+          "image": "string"}
 
 
 def _weights(model, given, baked):
@@ -85,10 +86,11 @@ def _weights(model, given, baked):
     inputs = [f"{_TYPES[q.kind]} {q.id} = {_literal(_TYPES[q.kind], q.default)}" for q in model.parameters]
     matches = [_matches(q, p[q.id]) for q in model.parameters if q.evaluated]
     layout = baked.layout
-    numbers = {"VIEWS": layout.views, "AZIMUTHS": layout.azimuths, "STEEPEST": weights.STEEPEST,
-               "CROWDED": weights.CROWDED, "FACETS": weights.FACETS, "RINGS": layout.cell_rings,
-               "AROUND": layout.cell_turns, "STRETCH_X": layout.stretch[0], "STRETCH_Y": layout.stretch[1],
-               "CHANNELS": baked.channels, "SPIKES": weights.SPIKES if len(baked.spikes) else 0}
+    numbers = {"VIEWS": layout.views, "AZIMUTHS": layout.azimuths, "WHOLE": int(layout.whole),
+               "STEEPEST": weights.STEEPEST, "CROWDED": weights.CROWDED, "FACETS": weights.FACETS,
+               "RINGS": layout.cell_rings, "AROUND": layout.cell_turns, "STRETCH_X": layout.stretch[0],
+               "STRETCH_Y": layout.stretch[1], "CHANNELS": baked.channels,
+               "SPIKES": weights.SPIKES if len(baked.spikes) else 0}
     lines = [f"#define W_{name} {value}" for name, value in numbers.items()]
     lines += [f"#define MODEL {model.id}", f'#define MODEL_LABEL "{model.label}"',
               "#define MODEL_PARAMETERS " + ", ".join(inputs), "#define MODEL_MATCHES " + " && ".join(matches),
@@ -98,6 +100,8 @@ def _weights(model, given, baked):
 
 def _literal(kind, value):
     """A default as OSL writes it, of its own type: Cycles does not set inputs whose default is converted."""
+    if kind == "string":
+        return json.dumps(value, ensure_ascii=False)
     if isinstance(value, tuple):
         return "{}({}, {}, {})".format(kind, *value)
     return repr(float(value)) if kind == "float" else f"{value:d}"
@@ -110,6 +114,8 @@ def _matches(parameter, value):
                            for i, c in enumerate(value))
     if parameter.kind == "float":
         return f"abs({parameter.id} - {value!r}) <= {1e-5 * max(abs(value), 1e-3):.3g}"
+    if parameter.kind == "image":
+        return f"{parameter.id} == {_literal('string', value)}"
     return f"{parameter.id} == {int(value)}"
 
 

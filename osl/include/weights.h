@@ -37,13 +37,15 @@ int weights_row(vector view, float place, float number)
 {
     float chance = number;
     int row = beside(place, W_VIEWS - 1, chance);
-#if W_AZIMUTHS > 1
+#if W_WHOLE
+    row += W_VIEWS * (int)mod(beside(W_AZIMUTHS * mod(atan2(view[1], view[0]) / M_2PI, 1.0), W_AZIMUTHS, chance), W_AZIMUTHS);
+#elif W_AZIMUTHS > 1
     row += W_VIEWS * beside((W_AZIMUTHS - 1) * atan2(view[1], view[0]) / M_PI_2, W_AZIMUTHS - 1, chance);
 #endif
     return W_ROW * row;
 }
 
-#if W_AZIMUTHS > 1
+#if W_AZIMUTHS > 1 && !W_WHOLE
 // A frame turned so that the view is on the positive side of both axes, as rows of views are: what is stretched along
 // axes is the same on either side of them.
 Frame first_quadrant(Frame given)
@@ -138,9 +140,10 @@ closure color weights_splat(Frame f, float w[], int row, float u, float v, color
         // Lights move twice as fast as half vectors: little of a splat may reach below the horizon.
         float most = max(0.25 * height, NARROWEST);
         // The ellipse that two sides of the cell span, of half vectors. About the middle of rings cells end in a point:
-        // splats as narrow as that would all pile up there.
+        // splats that are narrow across and reach over it would all pile up there, by as much as they are longer.
+        float across = max(s * (w[edge + 1] - w[edge]), (high - low) * clamp(1.25 - 0.25 * s / (high - low), 0.0, 1.0));
         vector a = spread * SPLAT * (high - low) * on_sphere(h, out);
-        vector b = spread * SPLAT * max(s, 0.7 * high) * (w[edge + 1] - w[edge]) * on_sphere(h, turned);
+        vector b = spread * SPLAT * across * on_sphere(h, turned);
         vector e1 = normalize(dot(a, a) > dot(b, b) ? a : b);
         vector e2 = cross(h, e1);
         float xx = dot(a, e1) * dot(a, e1) + dot(b, e1) * dot(b, e1);

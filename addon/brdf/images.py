@@ -1,0 +1,64 @@
+"""Images from files: their luminance, by the formats that this package or OpenImageIO reads.
+
+OpenImageIO, which Blender bundles from version 4.5 on, is imported when a file needs it: all that is no uncompressed
+float EXR.
+"""
+from pathlib import Path
+
+import numpy as np
+
+from . import exr
+
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear Rec. 709
+_DEPTHS = ("uint8", "uint16")  # painted images: sRGB's curve is on them
+
+
+def stamp(path) -> tuple:
+    """(time of the last change in ns, bytes) of a file, which change with it; () where there is none."""
+    try:
+        state = Path(path).stat()
+    except OSError:
+        return ()
+    return state.st_mtime_ns, state.st_size
+
+
+def luminance(path) -> np.ndarray:
+    """Linear luminance (height, width) of an image, float64, row 0 at the top.
+
+    Float images hold linear Rec. 709, those of 8 or 16 bits sRGB. Raises ValueError that names the file and what is
+    wrong with it.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise ValueError(f"image: {path}: no such file")
+    try:
+        pixels = exr.read(path)[0].astype(np.float64)
+    except OSError as error:
+        raise ValueError(f"image: {path} cannot be opened ({error.strerror})") from None
+    except exr.ExrError:
+        pixels = _by_openimageio(path)
+    return pixels[..., :3] @ LUMINANCE if pixels.shape[2] >= 3 else pixels[..., 0]
+
+
+def _by_openimageio(path):
+    try:
+        import OpenImageIO
+    except ImportError:
+        raise ValueError(f"image: {path}: only EXR of four uncompressed float channels can be read here; the package "
+                         "OpenImageIO, which reads others, is missing") from None
+    file = OpenImageIO.ImageInput.open(str(path))
+    if file is None:
+        raise ValueError(f"image: {path} is no image ({OpenImageIO.geterror().strip().splitlines()[0]})")
+    try:
+        pixels, kind = file.read_image("float"), str(file.spec().format)
+    finally:
+        file.close()
+    if pixels is None:
+        raise ValueError(f"image: {path} is damaged ({file.geterror().strip().splitlines()[0]})")
+    pixels = np.atleast_3d(np.asarray(pixels, dtype=np.float64))
+    return _linear(pixels) if kind in _DEPTHS else pixels
+
+
+def _linear(encoded):
+    """Linear values of sRGB's, 0..1 (IEC 61966-2-1)."""
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)

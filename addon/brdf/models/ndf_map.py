@@ -1,0 +1,54 @@
+"""A highlight of any shape: the distribution of half vectors is an image."""
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import half_map, tables
+from ..formula_model import FormulaModel, factor, lambert
+from ..geometry import dot, half
+from ..parameters import COLOUR, DIFFUSE, ESTIMATOR, IMAGE, TANGENT
+from ..registry import register
+from .ashikhmin_shirley import ASHIKHMIN
+from .cook_torrance import RTR, with_cosine
+
+GENERATOR = "Ashikhmin, Premože, Shirley, A microfacet-based BRDF generator, SIGGRAPH 2000"
+SHIPPED = "ndf_star.exr"
+
+
+def distribution(p):
+    """The `HalfMap` of the parameters. Raises ValueError that names the file and what is wrong with it."""
+    return half_map.load(p["image"] or tables.PACKAGED / SHIPPED, 2.0 * np.pi * p["rotation"])
+
+
+def lobe(view, light, p):
+    """Ashikhmin and Shirley's eq. 4 with any p(h) for theirs, 2 π of it for what they scale by (n+1)."""
+    h = half(view, light)
+    return distribution(p).density(h) / (4.0 * dot(view, h) * np.maximum(view[:, 2], light[:, 2]))
+
+
+@dataclass(frozen=True)
+class NdfMapModel(FormulaModel):
+    """Integrated over the image, as its light may be anywhere: f N·L dω_L = p(h) F N·L / max(N·L, N·V) dω_H."""
+
+    def albedo_from(self, view, p):
+        """Albedo for one view (3,), of resolved parameters: a number or (3,)."""
+        light, _, mass = half_map.lights(distribution(p).nodes, view)
+        energy = mass * light[:, 2] / np.maximum(light[:, 2], view[2])
+        tint = factor(view, light, p)
+        albedo = energy.sum() if tint is None else energy @ tint
+        return albedo + np.asarray(p["diffuse_color"]) if any(p["diffuse_color"]) else albedo
+
+    def lights(self, view, p, widest: float, **counts):
+        """Lights (N, 3) and weights (N,): one for each pixel."""
+        return half_map.lights(distribution(p).few_nodes, view)[:2]
+
+
+register(NdfMapModel(
+    id="ndf_map", label="NDF Map",
+    description="A highlight painted as an image of its half vectors: reciprocal, and conserves energy",
+    parameters=IMAGE + COLOUR + DIFFUSE + TANGENT + ESTIMATOR, tables=(),
+    formula="p(H) F / (4 V·H max(N·L, N·V)) + diffuse, p(H) the image over its integral",
+    references=(GENERATOR, ASHIKHMIN + ", eq. 4", RTR + ", p. 258 (NDF mapping)"),
+    lobe=lobe, sampler=lambda p: with_cosine(distribution(p).sampler, p), width=lambda p: distribution(p).slope,
+    shape=None, colour=factor, diffuse=lambert, stretched=lambda p: (1.0, 1.0),
+    mirrored=lambda p: distribution(p).is_mirrored))
