@@ -358,6 +358,19 @@ def test_properties_hold_to_the_range(bpy):
     assert (group.exponent, group.pumps, group.samples) == (100000.0, 0.0, 8)
 
 
+def test_a_path_is_written_whole(bpy, no_weights, tmp_path):
+    """What a file browser gives is relative to the .blend, and other commands know nothing of that."""
+    from addon.blender import materials
+
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    material = make("ndf_map")
+    material.plausible_brdf.image = "//maps/star.png"
+    whole = str(tmp_path / "maps" / "star.png")
+    assert material.plausible_brdf.image == materials.values(materials.script_node(material))["image"] == whole
+    material.plausible_brdf.image = ""
+    assert material.plausible_brdf.image == ""
+
+
 def test_choosing_a_model_keeps_what_both_have(bpy):
     material = make("pumped_phong", exponent=77.0, base_color=(0.5, 0.25, 0.125))
     material.plausible_brdf.model = "blinn"

@@ -3,7 +3,7 @@ import platform
 
 import numpy as np
 
-from ..brdf import exr, tables
+from ..brdf import exr
 from ..brdf.models.ndf_map import SHIPPED
 
 SIZE = 128  # pixels across
@@ -25,9 +25,9 @@ def star() -> np.ndarray:
     return np.stack([gray, gray, gray, np.ones_like(gray)], axis=-1)
 
 
-def write():
-    """Write the image to the folder of the tables; returns its path. Raises OSError when it cannot."""
-    path = tables.PACKAGED / SHIPPED
+def write(folder):
+    """Write the image to a folder; returns its path. Raises OSError when it cannot."""
+    path = folder / SHIPPED
     exr.write(path, star(), {
         "plausible:model": "ndf_map: relative density of half vectors, the hemisphere from above, tangent to the right",
         "plausible:formula": f"bells (height, width) {CORE}, {HALO}; three lines 60 degrees apart, "

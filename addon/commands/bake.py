@@ -6,7 +6,7 @@ import time
 import numpy as np
 
 from .. import brdf
-from ..baking import bake, weights, weights_error
+from ..baking import bake, star, weights, weights_error
 from ..brdf import tables
 from ..cli import CommandError
 from ..verify.subject import settings
@@ -26,6 +26,7 @@ def add_arguments(parser):
                         help="write nothing; bake the weights of this model, and print their size and error")
     parser.add_argument("--set", action="append", default=[], metavar="PARAMETER=VALUE", dest="assignments",
                         help="a parameter of that model; may be repeated")
+    parser.add_argument("--star", action="store_true", help="draw the image that ndf_map has by itself instead")
     parser.add_argument("--output", metavar="DIR", help="folder of the tables (the package's luts by default)")
     parser.add_argument("--workers", type=int, metavar="N", help="processes (one a core by default)")
     parser.add_argument("--json", action="store_true", help="print JSON")
@@ -41,6 +42,9 @@ def run(arguments):
         tables.use_folder(arguments.output)
     if arguments.weights:
         return _state_weights(arguments)
+    if arguments.star:
+        print(star.write(tables.folder()))
+        return None
     if arguments.base_lobes:
         return _fit_base_lobes(arguments)
     return _check(arguments) if arguments.check else _bake(arguments)
