@@ -60,7 +60,9 @@ def _property(parameter):
     if parameter.kind == "bool":
         return bpy.props.BoolProperty(**common)
     if parameter.kind == "image":
-        return bpy.props.StringProperty(subtype="FILE_PATH", **common)
+        # 4.5 and later ask whether a path may begin with //; ours is made whole when it is written.
+        options = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5) else set()
+        return bpy.props.StringProperty(subtype="FILE_PATH", **{**common, "options": options})
     if parameter.kind == "int":
         return bpy.props.IntProperty(min=int(parameter.minimum), max=int(parameter.maximum), **common)
     if parameter.kind == "enum":
