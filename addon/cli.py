@@ -27,6 +27,14 @@ class CommandError(Exception):
     """A failure to print as one line."""
 
 
+def require(package, extra):
+    """Raise CommandError that names the `extra` to install where `package` cannot be imported."""
+    try:
+        importlib.import_module(package)
+    except ImportError as error:
+        raise CommandError(f"needs {package} ({error}); pip install plausible-brdf[{extra}]") from None
+
+
 def _parser():
     parser = argparse.ArgumentParser(prog="plausible", description="Physically plausible reflectance for Cycles.")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)

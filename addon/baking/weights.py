@@ -113,8 +113,7 @@ def weights(model, parameters: dict) -> Weights:
 def blank(model, parameters: dict) -> Weights:
     """Weights of the form that a model's have, all zero: for what only asks whether its shader compiles."""
     layout = _layout(model, model.resolve(parameters))
-    cells = layout.cell_rings * layout.cell_turns
-    size = 1 + FACETS * FACET + 3 + layout.cell_rings + 1 + layout.cell_rings * (layout.cell_turns + 1) + cells
+    size = sum(_sizes(layout)) + layout.cell_rings * layout.cell_turns
     spikes = np.zeros((((layout.views - 1) * SPIKES + 1) if model.spike else 0, 3))
     rows = np.zeros((layout.azimuths * layout.views, size))
     return Weights(layout, rows, spikes, 1, rows[:, 0])
@@ -374,10 +373,14 @@ def _from_below(basis, target, area, steps=STEPS):
     return weight
 
 
+def _sizes(layout):
+    """Numbers of a row's parts, but for the energies, which end it."""
+    return 1, FACETS * FACET, 3, layout.cell_rings + 1, layout.cell_rings * (layout.cell_turns + 1)
+
+
 def parts(row, layout, channels):
     """The facets (FACETS, FACET), diffuse colour (3,), edges of rings, of cells around each, and energies of a row."""
-    ends = np.cumsum([1, FACETS * FACET, 3, layout.cell_rings + 1, layout.cell_rings * (layout.cell_turns + 1)])
-    facets, diffuse, rings, turns, energies = np.split(row, ends)[1:]
+    facets, diffuse, rings, turns, energies = np.split(row, np.cumsum(_sizes(layout)))[1:]
     return (facets.reshape(-1, FACET), diffuse, rings, turns.reshape(layout.cell_rings, -1),
             energies.reshape(layout.cell_rings, layout.cell_turns, channels))
 

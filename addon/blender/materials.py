@@ -25,9 +25,7 @@ def create_material(model_id: str, name: str | None = None, lut: str = source.CO
     Raises ValueError for an unknown model or parameter and for a value out of range, brdf.TableError when an albedo
     table is missing, stale or damaged, osl.OslError when this Blender has no OSL.
     """
-    if model_id not in brdf.MODELS:
-        raise ValueError(f"no model {model_id!r}; there are {', '.join(brdf.MODELS)}")
-    model = brdf.MODELS[model_id]
+    model = brdf.find_model(model_id)
     model.resolve(parameters)
     osl.compile_model(model, lut, parameters)  # before anything is made: a failure leaves no half material behind
     material = bpy.data.materials.new(name or model.label)
@@ -230,7 +228,26 @@ def change_model(material, model_id: str, given: dict | None = None):
 
     `given` are values, by id, to put in place of the old ones.
     """
-    _exchange(material, model_id, given)
+    old = _node_of(material)
+    tree, model = material.node_tree, brdf.find_model(model_id)
+    both = [p for p in model.parameters if socket_of(old, p) is not None]
+    kept = {p.id: p.clamp(get_value(old, p)) for p in both if p.evaluated}
+    # What is baked is baked once, for the values that the node is going to have.
+    new = osl.add_script_node(tree, model, old.get(osl.LUT_KEY, source.COMPILED), kept if given is None else given)
+    new.location = old.location
+    for parameter in both:
+        source_socket = socket_of(old, parameter)
+        socket_of(new, parameter).default_value = source_socket.default_value
+        for link in list(source_socket.links):
+            tree.links.new(link.from_socket, socket_of(new, parameter))
+    for key, value in (given or {}).items():
+        _write(new, model.parameter(key), value)
+    for link in list(old.outputs["BSDF"].links):
+        tree.links.new(new.outputs["BSDF"], link.to_socket)
+    name = old.name
+    tree.nodes.remove(old)
+    new.name = name
+    _note_values(new)
     update_stand_in(material)
 
 
@@ -258,31 +275,6 @@ def _node_of(material):
     if node is None:
         raise ValueError(f"{material.name!r} has no Plausible BRDF node")
     return node
-
-
-def _exchange(material, model_id, given):
-    old = _node_of(material)
-    if model_id not in brdf.MODELS:
-        raise ValueError(f"no model {model_id!r}; there are {', '.join(brdf.MODELS)}")
-    tree, model = material.node_tree, brdf.MODELS[model_id]
-    both = [p for p in model.parameters if socket_of(old, p) is not None]
-    kept = {p.id: p.clamp(get_value(old, p)) for p in both if p.evaluated}
-    # What is baked is baked once, for the values that the node is going to have.
-    new = osl.add_script_node(tree, model, old.get(osl.LUT_KEY, source.COMPILED), kept if given is None else given)
-    new.location = old.location
-    for parameter in both:
-        source_socket = socket_of(old, parameter)
-        socket_of(new, parameter).default_value = source_socket.default_value
-        for link in list(source_socket.links):
-            tree.links.new(link.from_socket, socket_of(new, parameter))
-    for key, value in (given or {}).items():
-        _write(new, model.parameter(key), value)
-    for link in list(old.outputs["BSDF"].links):
-        tree.links.new(new.outputs["BSDF"], link.to_socket)
-    name = old.name
-    tree.nodes.remove(old)
-    new.name = name
-    _note_values(new)
 
 
 def apply_preset(material, preset):

@@ -43,12 +43,6 @@ def plausible_node(material):
     return (node, model) if model else (None, None)
 
 
-def _shows_ours(context):
-    """Whether the context shows a material made here that may be edited."""
-    material = material_of(context)
-    return material is not None and material.is_editable and plausible_node(material)[1] is not None
-
-
 def _osl_works(cls):
     reason = osl.unavailable()
     if reason:
@@ -109,22 +103,28 @@ class PLAUSIBLE_OT_use_osl(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class PLAUSIBLE_OT_set_metal(bpy.types.Operator):
+class _OnMaterial:
+    """An operator that changes the material shown, and can be undone."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        material = material_of(context)
+        return material is not None and material.is_editable and plausible_node(material)[1] is not None
+
+
+class PLAUSIBLE_OT_set_metal(_OnMaterial, bpy.types.Operator):
     """Set colour, edge colour, n and k to those of a metal; the choice of Fresnel stays"""
 
     bl_idname = "plausible.set_metal"
     bl_label = "Set Metal"
-    bl_options = {"REGISTER", "UNDO"}
 
     metal: bpy.props.EnumProperty(name="Metal", items=_METAL_ITEMS)
 
     @classmethod
     def description(cls, context, properties):
         return f"Set colour, n and k to those of {METALS[properties.metal].label.lower()}; the choice of Fresnel stays"
-
-    @classmethod
-    def poll(cls, context):
-        return _shows_ours(context)
 
     @_reporting
     def execute(self, context):
@@ -146,12 +146,11 @@ class PLAUSIBLE_MT_metals(bpy.types.Menu):
             self.layout.operator("plausible.set_metal", text=metal.label).metal = name
 
 
-class PLAUSIBLE_OT_apply_preset(bpy.types.Operator):
+class PLAUSIBLE_OT_apply_preset(_OnMaterial, bpy.types.Operator):
     """Turn the material into a preset: its model and all of its parameters; what is plugged in stays"""
 
     bl_idname = "plausible.apply_preset"
     bl_label = "Apply Preset"
-    bl_options = {"REGISTER", "UNDO"}
 
     preset: bpy.props.EnumProperty(name="Preset", items=_PRESET_ITEMS)
 
@@ -159,32 +158,23 @@ class PLAUSIBLE_OT_apply_preset(bpy.types.Operator):
     def description(cls, context, properties):
         return PRESETS[properties.preset].help
 
-    @classmethod
-    def poll(cls, context):
-        return _shows_ours(context)
-
     @_reporting
     def execute(self, context):
         materials.apply_preset(material_of(context), PRESETS[self.preset])
         return {"FINISHED"}
 
 
-class PLAUSIBLE_OT_convert(bpy.types.Operator):
+class PLAUSIBLE_OT_convert(_OnMaterial, bpy.types.Operator):
     """Turn the material into another model whose lobe is as wide, which takes some seconds where the model is baked"""
 
     bl_idname = "plausible.convert"
     bl_label = "Convert"
-    bl_options = {"REGISTER", "UNDO"}
 
     model: bpy.props.EnumProperty(name="Model", items=MODEL_ITEMS)
 
     @classmethod
     def description(cls, context, properties):
         return f"Turn the material into {MODELS[properties.model].label}, its lobe as wide as now"
-
-    @classmethod
-    def poll(cls, context):
-        return _shows_ours(context)
 
     @_reporting
     def execute(self, context):
@@ -233,16 +223,11 @@ class PLAUSIBLE_MT_convert(bpy.types.Menu):
                 self.layout.operator("plausible.convert", text=model.label).model = model.id
 
 
-class PLAUSIBLE_OT_bake_weights(bpy.types.Operator):
+class PLAUSIBLE_OT_bake_weights(_OnMaterial, bpy.types.Operator):
     """Bake the weights that the material renders by for the values that its sockets hold, which takes some seconds"""
 
     bl_idname = "plausible.bake_weights"
     bl_label = "Bake Weights"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return _shows_ours(context)
 
     @_reporting
     def execute(self, context):

@@ -5,7 +5,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..cli import CommandError
+from ..cli import CommandError, require
 
 DESCRIPTION = ("Build and render a scene. metals: a golden tank among metal pyramids, with the reciprocal Phong model, "
                "pumped up once, and pumped up under control. spheres: anisotropic spheres under an HDRI. road: a road "
@@ -89,14 +89,6 @@ def _resolution(text):
     if not (width.isdigit() and height.isdigit() and 4 <= int(width) <= 8192 and 4 <= int(height) <= 8192):
         raise argparse.ArgumentTypeError(f"{text!r} is not of the form 480x360, each side 4 to 8192")
     return int(width), int(height)
-
-
-def require(package, extra):
-    """Raise CommandError that names the `extra` to install where `package` cannot be imported."""
-    try:
-        importlib.import_module(package)
-    except ImportError as error:
-        raise CommandError(f"needs {package} ({error}); pip install plausible-brdf[{extra}]") from None
 
 
 def run(arguments):

@@ -2,8 +2,7 @@
 import importlib
 from pathlib import Path
 
-from ..cli import CommandError
-from .demo import require
+from ..cli import CommandError, require
 
 DESCRIPTION = ("Plot albedos, lobes and half vectors of the reference models, as PNG and SVG. pumping: the pumping "
                "paper's figures 1 and 3 to 7. disk: the disk paper's 7, 8 and 13. compare: lobes of all models in "

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from ..brdf import find_model
-from ..cli import CommandError
+from ..cli import CommandError, require
 from ..fitting import fit, samples
 from ..verify.subject import settings
 from .figures import write
@@ -65,13 +65,9 @@ def _check(arguments):
     for name, given in (("--set", arguments.assignments), ("--views", arguments.views)):
         if arguments.table is not None and given:
             raise CommandError(f"{name} goes with --to, not with --table")
-    for package, wanted in (("scipy", True), ("matplotlib", arguments.output is not None)):
-        try:
-            if wanted:
-                __import__(package)
-        except ImportError as error:
-            raise CommandError(f"needs {package} ({error}); pip install plausible-brdf[bake,demo]") from None
+    require("scipy", "bake")
     if arguments.output is not None:
+        require("matplotlib", "demo")
         arguments.output.mkdir(parents=True, exist_ok=True)
 
 
