@@ -62,6 +62,12 @@ def view_at(cos_theta) -> np.ndarray:
     return np.stack([np.sqrt(np.maximum(0.0, 1.0 - mu * mu)), np.zeros_like(mu), mu], axis=-1)
 
 
+def in_plane(angle) -> np.ndarray:
+    """Directions (N, 3) in the x-z plane, `angle` degrees (N,) from the normal towards +x."""
+    angle = np.radians(np.atleast_1d(np.asarray(angle, dtype=np.float64)))
+    return np.stack([np.sin(angle), np.zeros_like(angle), np.cos(angle)], axis=-1)
+
+
 def around(axis: np.ndarray, cos_delta: np.ndarray, phi: np.ndarray) -> np.ndarray:
     """Directions at the angle acos(cos_delta) from the unit vectors `axis` and the azimuth `phi`, shape (N, 3).
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from . import exr
+from .channels import LUMINANCE
 
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear Rec. 709
 _DEPTHS = ("uint8", "uint16")  # painted images: sRGB's curve is on them
 
 

@@ -5,6 +5,7 @@ import sys
 import numpy as np
 
 from .. import verify
+from ..brdf.channels import rgb
 from ..cli import CommandError
 from ..verify import plots, subject
 
@@ -32,7 +33,7 @@ def run(arguments):
         reference = thing.albedo(np.cos(np.radians(angles)))
         comparison = verify.compare(measured, reference, noise, arguments.tolerance)
         fine = np.linspace(0.0, 89.5, 180)
-        curve = fine, as_rgb(thing.albedo(np.cos(np.radians(fine))))
+        curve = fine, rgb(thing.albedo(np.cos(np.radians(fine))))
     if arguments.output:
         plots.furnace(arguments.output, f"White furnace: {thing.title}", angles, measured, noise, comparison, curve)
     if arguments.json:
@@ -141,12 +142,6 @@ def summary(*comparisons) -> dict:
 def exit_code(*comparisons) -> int:
     """0 where every comparison there is went well, else 1."""
     return 0 if summary(*comparisons)["verdict"] in (None, verify.comparison.OK) else 1
-
-
-def as_rgb(values) -> np.ndarray:
-    """Values (N,) or (N, 3) as (N, 3)."""
-    values = np.asarray(values, dtype=np.float64)
-    return values if values.ndim == 2 else np.repeat(values[:, None], 3, axis=1)
 
 
 def largest(channels) -> float:

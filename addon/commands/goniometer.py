@@ -4,6 +4,7 @@ import json
 import numpy as np
 
 from .. import verify
+from ..brdf.channels import rgb
 from ..brdf.geometry import view_at
 from ..verify import plots
 from . import furnace
@@ -54,7 +55,7 @@ def _lights(view, plane, angles):
 def _theory(thing, view, plane, angles):
     """f (N·L) of the formula, (N, 3)."""
     lights = _lights(view, plane, angles)
-    return furnace.as_rgb(thing.evaluate(view_at(np.cos(np.radians(view))), lights)) * lights[:, 2:]
+    return rgb(thing.evaluate(view_at(np.cos(np.radians(view))), lights)) * lights[:, 2:]
 
 
 def _spread(thing, view, plane):

@@ -5,21 +5,16 @@ views the mirror direction's side is positive. `given` are a model's parameters,
 """
 import numpy as np
 
+from ..brdf.channels import mean
+from ..brdf.geometry import in_plane
 from ..fitting import match
 
 WIDEST = 45.0  # of half vectors at normal incidence: their lights are at the horizon
 
 
-def direction(angle) -> np.ndarray:
-    """Unit vectors (N, 3) in the x-z plane at the signed `angle` (N,)."""
-    angle = np.radians(np.atleast_1d(np.asarray(angle, dtype=np.float64)))
-    return np.stack([np.sin(angle), np.zeros_like(angle), np.cos(angle)], axis=-1)
-
-
 def value(model, view, light, given) -> np.ndarray:
     """f(V, L) in 1/sr, the mean of its channels, (N,)."""
-    f = model.evaluate(view, light, **given)
-    return f if f.ndim == 1 else f.mean(axis=1)
+    return mean(model.evaluate(view, light, **given))
 
 
 def those(model, **values) -> dict:
@@ -36,12 +31,12 @@ def glossy(model, given) -> dict:
 
 def lobe(model, light_angle: float, view_angles, given) -> np.ndarray:
     """f (N,) of the lobe alone in 1/sr at `view_angles` (N,), the light at `light_angle` on the other side."""
-    return value(model, direction(view_angles), direction(-light_angle), glossy(model, given))
+    return value(model, in_plane(view_angles), in_plane(-light_angle), glossy(model, given))
 
 
 def seen_from_above(model, half_angles, given) -> np.ndarray:
     """f (N,) of the lobe alone in 1/sr, the view at the normal and half vectors at `half_angles` (N,), 0 to WIDEST."""
-    return value(model, direction(0.0), direction(2.0 * np.asarray(half_angles)), glossy(model, given))
+    return value(model, in_plane(0.0), in_plane(2.0 * np.asarray(half_angles)), glossy(model, given))
 
 
 def half_angle(model, given) -> float:

@@ -9,7 +9,8 @@ from statistics import median
 import numpy as np
 
 from .. import brdf
-from ..brdf.geometry import view_at
+from ..brdf.channels import mean
+from ..brdf.geometry import in_plane, view_at
 from . import lobes
 
 ALBEDO_ANGLES = (*range(0, 80, 5), 80.0, 82.0, 84.0, 86.0, 87.0, 88.0, 89.0, 89.5)  # degrees
@@ -75,9 +76,9 @@ def largest_albedo(model, given) -> tuple:
     The view is in the plane of the tangent, that of a formula which knows a tangent also across it.
     """
     mu = np.cos(np.radians(ALBEDO_ANGLES))
-    albedo = _mean_channels(model.albedo(mu, **given))
+    albedo = mean(model.albedo(mu, **given))
     if getattr(model, "stretched", None):
-        p, views = model.resolve(given), lobes.direction(ALBEDO_ANGLES)[:, [1, 0, 2]]
+        p, views = model.resolve(given), in_plane(ALBEDO_ANGLES)[:, [1, 0, 2]]
         albedo = np.maximum(albedo, [np.mean(model.albedo_from(view, p)) for view in views])
     i = int(albedo.argmax())
     return float(albedo[i]), float(ALBEDO_ANGLES[i])
@@ -106,7 +107,7 @@ def fresnel(model, given) -> float:
     """
     dark = {**lobes.glossy(model, given), **lobes.those(model, base_color=(0.04,) * 3, fresnel_type="schlick")}
     angles = np.array([0.0, 85.0])
-    view, light = lobes.direction(angles), lobes.direction(-angles)
+    view, light = in_plane(angles), in_plane(-angles)
     share = lobes.value(model, view, light, dark) / lobes.value(model, view, light, lobes.glossy(model, given))
     return float(share[1] / share[0])
 
@@ -145,7 +146,7 @@ def spike(model, given) -> float:
     """Largest reflectance of the perfect mirror on top of f, 0..1."""
     if not getattr(model, "spike", None):
         return 0.0
-    return float(_mean_channels(model.spike(np.cos(np.radians(ALBEDO_ANGLES)), model.resolve(given))).max())
+    return float(mean(model.spike(np.cos(np.radians(ALBEDO_ANGLES)), model.resolve(given))).max())
 
 
 def dispersion(model, given) -> float:
@@ -223,11 +224,6 @@ def _largest_difference(a, b, weight):
     larger = np.maximum(a, b)
     counts = larger * weight >= 1e-3 * (larger * weight).max()
     return float((np.abs(a - b)[counts] / larger[counts]).max())
-
-
-def _mean_channels(x):
-    x = np.asarray(x)
-    return x if x.ndim == 1 else x.mean(axis=1)
 
 
 def _turned(direction):

@@ -7,7 +7,8 @@ import numpy as np
 
 from .. import brdf
 from ..brdf import disk
-from ..brdf.geometry import dot, half
+from ..brdf.channels import mean
+from ..brdf.geometry import dot, half, in_plane
 from .style import INK, SHADES, STYLE, captioned
 
 SET = ("lobes", "lumps", "half_vectors")
@@ -38,7 +39,7 @@ def lobe_curve(model: str, view_angle: float, count: int = 1801, **parameters):
     """
     angles = np.linspace(-90.0, 90.0, count)
     light = np.stack([-np.sin(np.radians(angles)), np.zeros(count), np.cos(np.radians(angles))], axis=-1)
-    return angles, brdf.MODELS[model].evaluate(_view(view_angle), light, **parameters)
+    return angles, brdf.MODELS[model].evaluate(in_plane(view_angle), light, **parameters)
 
 
 def lump_curve(radius: float, exponent: float, count: int = 801):
@@ -55,14 +56,13 @@ def half_vector_density(model: str, view_angle: float, point, projection=disk.OR
     `view_angle` degrees. By the orthogonal projection p is f itself, as |V+L| = 2 (L·H).
     """
     point = np.atleast_2d(np.asarray(point, dtype=np.float64))
-    view = np.tile(_view(view_angle), (len(point), 1))
+    view = np.tile(in_plane(view_angle), (len(point), 1))
     away = point - view[:, :2]
     light = projection.light(view, point)
     # On the rim itself N·L may be 0, and p is a limit.
     on_disk = (dot(away, away) < 1.0) & (light[:, 2] > 0.0)
     view, light = view[on_disk], light[on_disk]
-    f = brdf.MODELS[model].evaluate(view, light, **parameters)
-    f = f if f.ndim == 1 else f.mean(axis=1)
+    f = mean(brdf.MODELS[model].evaluate(view, light, **parameters))
     density = np.full(len(point), np.nan)
     density[on_disk] = 4.0 * f * light[:, 2] * dot(light, half(view, light)) / projection.measure(view, light)
     return density
@@ -205,8 +205,3 @@ def _show_disk(at, angle, image, norm):
 def _pixels(step):
     """Centres of WINDOW's pixels along u and v."""
     return tuple(np.arange(low + 0.5 * step, high, step) for low, high in (WINDOW[:2], WINDOW[2:]))
-
-
-def _view(angle):
-    """The view (1, 3) in the x-z plane at `angle` degrees."""
-    return np.array([[np.sin(np.radians(angle)), 0.0, np.cos(np.radians(angle))]])

@@ -4,13 +4,12 @@ Of stretched lobes it shows the plane of the tangent.
 """
 import numpy as np
 
-from ..brdf.geometry import view_at
+from ..brdf.channels import luminance
+from ..brdf.geometry import in_plane
 from ..fitting import fit
-from .pumping import SHADES, STYLE
+from .style import GREY, INK, SHADES, STYLE
 
 VIEWS = (0.0, 40.0, 70.0)  # degrees
-INK = "#1b1b1d"
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear Rec. 709
 # (label, line of the target, of the start, of the fit); the wide pale line shows through what lies on it.
 TARGET = {"label": "target", "color": "#b8bdc9", "linewidth": 5.0, "solid_capstyle": "butt"}
 MATCHED = {"label": "matched by width", "color": SHADES[1], "linestyle": (0, (5, 3))}
@@ -40,7 +39,7 @@ def draw(found: fit.Fit, title: str):
         lines, labels = axes[0].get_legend_handles_labels()
         figure.legend(lines, labels, loc="upper right", ncols=3, bbox_to_anchor=(0.99, 1.0 - 0.1 / height))
         figure.suptitle(title, x=0.012, y=1.0 - 0.15 / height, ha="left", va="top", size=13, weight="bold", color=INK)
-        figure.text(0.012, 0.06 / height, _caption(found), ha="left", va="bottom", size=8.5, color="#55555c")
+        figure.text(0.012, 0.06 / height, _caption(found), ha="left", va="bottom", size=8.5, color=GREY)
     return figure
 
 
@@ -59,16 +58,10 @@ def _caption(found):
     return f"Largest relative error, fitted: {' and '.join(parts)}, at views up to {highest:.3g}°."
 
 
-def luminance(value):
-    """f or albedo (N,) or (N, 3) as (N,)."""
-    return value if value.ndim == 1 else value @ LUMINANCE
-
-
 def lobe_curve(model, values, view: float, angles):
     """f (N·L) (N,) at light `angles` (degrees, the mirror direction positive) in the plane of incidence."""
-    tilt = np.radians(angles)
-    light = np.stack([-np.sin(tilt), np.zeros_like(tilt), np.cos(tilt)], axis=-1)
-    return luminance(model.evaluate(view_at(np.cos(np.radians(view))), light, **values)) * light[:, 2]
+    light = in_plane(-np.asarray(angles))
+    return luminance(model.evaluate(in_plane(view), light, **values)) * light[:, 2]
 
 
 def _curves(found):

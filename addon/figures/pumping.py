@@ -9,7 +9,8 @@ import numpy as np
 
 from .. import brdf
 from ..brdf import quadrature
-from ..brdf.geometry import half, view_at
+from ..brdf.channels import mean
+from ..brdf.geometry import half, in_plane, view_at
 from ..brdf.microfacet import beckmann
 from .style import SHADES, STYLE
 
@@ -47,10 +48,8 @@ def albedo_curve(model: str, count: int = 181, **parameters):
 def radiance_curve(model: str, light_angle: float, count: int = 721, **parameters):
     """View angles (degrees, -90..90, the mirror direction positive) and f(V, L) (N·L) in 1/sr, both (count,)."""
     angles = np.linspace(-90.0, 90.0, count)
-    view = np.stack([np.sin(np.radians(angles)), np.zeros(count), np.cos(np.radians(angles))], axis=-1)
-    tilt = np.radians(light_angle)
-    light = np.array([[-np.sin(tilt), 0.0, np.cos(tilt)]])
-    return angles, brdf.MODELS[model].evaluate(view, light, **parameters) * np.cos(tilt)
+    light = in_plane(-light_angle)
+    return angles, brdf.MODELS[model].evaluate(in_plane(angles), light, **parameters) * light[:, 2]
 
 
 def without_geometry(view, light, slope: float = SLOPE):
@@ -66,8 +65,7 @@ def compared_albedo(label: str, cos_theta):
     model, given, *_ = COMPARED[label]
     if model is None:
         return np.array([quadrature.hemisphere(without_geometry, view, SLOPE) for view in view_at(cos_theta)])
-    albedo = brdf.MODELS[model].albedo(cos_theta, **given)
-    return albedo if albedo.ndim == 1 else albedo.mean(axis=1)
+    return mean(brdf.MODELS[model].albedo(cos_theta, **given))
 
 
 def growth(label: str, last: float = LAST) -> float:

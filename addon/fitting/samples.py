@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ..brdf import quadrature
+from ..brdf.channels import rgb
 from ..brdf.geometry import half, view_at
 from .match import half_angles
 
@@ -82,11 +83,6 @@ def of_model(model, values: dict, views=VIEWS, stretched: bool = False, polar: i
 def knows_tangent(model) -> bool:
     """Whether a model's lobe may depend on the azimuth of the view."""
     return bool(model.axes) or getattr(model, "stretched", None) is not None
-
-
-def rgb(value):
-    """f (N,) or (N, 3) as (N, 3)."""
-    return np.repeat(value[:, None], 3, axis=1) if value.ndim == 1 else value
 
 
 def errors(samples: Samples, model, values: dict, floor: float = FLOOR) -> tuple:

@@ -3,6 +3,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..brdf.channels import rgb
+
 OK, FAILED, NOISY = "ok", "FAILED", "noisy"
 SIGMAS = 5.0  # of the standard error: one sound row in two million lies beyond
 
@@ -50,9 +52,7 @@ def compare(measured, reference, noise, tolerance: float) -> Comparison:
     Raises ValueError when the shapes differ or `tolerance` is not a positive number.
     """
     measured = np.atleast_2d(np.asarray(measured, dtype=np.float64))
-    reference = np.asarray(reference, dtype=np.float64)
-    if reference.ndim == 1:
-        reference = np.repeat(reference[:, None], 3, axis=1)
+    reference = rgb(reference)
     noise = np.atleast_2d(np.asarray(noise, dtype=np.float64))
     if not measured.shape == reference.shape == noise.shape or not len(measured):
         raise ValueError(f"shapes differ: measured {measured.shape}, reference {reference.shape}, noise {noise.shape}")

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..brdf import geometry
 from ..brdf.geometry import directions, dot, normalize
 from . import room
 
@@ -109,8 +110,7 @@ def goniometer(material, view_deg, lights, samples=16, resolution=16, seed=0, pr
 
 def in_plane(angles_deg) -> np.ndarray:
     """Lights in the plane of incidence, `angles_deg` (N,) from the normal to the mirror's side (-x): (N, 3)."""
-    angles = np.radians(np.asarray(angles_deg, dtype=np.float64))
-    return np.stack([-np.sin(angles), np.zeros_like(angles), np.cos(angles)], axis=-1)
+    return geometry.in_plane(-np.asarray(angles_deg, dtype=np.float64))
 
 
 def across_lobe(view_deg: float, angles_deg) -> np.ndarray:

@@ -3,12 +3,12 @@ from pathlib import Path
 
 import numpy as np
 
+from ..brdf.channels import LUMINANCE
 from .comparison import SIGMAS
 
 INK, FAINT, BAND = "#2b2d33", "#d9dbe1", "#e9f1ec"
 VIEWS = ("#1b6ca8", "#d1495b", "#2e8b57", "#e09f3e", "#6a4c93", "#3a9d9d")
 CHANNELS = (("red", "#c8403c"), ("green", "#3b9450"), ("blue", "#3868b8"))
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear Rec. 709
 
 
 def _pyplot():
