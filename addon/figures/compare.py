@@ -128,7 +128,7 @@ def _matched_note():
 
 def _shape_note(shown):
     """The parameter that was matched, and the width where it could not be."""
-    name = getattr(shown.model, "shape", "exponent")
+    name = shown.model.shape
     if name in shown.given:
         return f"{shown.model.parameter(name).label} = {shown.given[name]:.3g}"
     return f"no exponent matches: half at {shown.angle:.1f}°"

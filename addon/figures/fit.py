@@ -7,7 +7,7 @@ import numpy as np
 from ..brdf.channels import luminance
 from ..brdf.geometry import in_plane
 from ..fitting import fit
-from .style import GREY, INK, SHADES, STYLE
+from .style import INK, SHADES, STYLE, captioned
 
 VIEWS = (0.0, 40.0, 70.0)  # degrees
 # (label, line of the target, of the start, of the fit); the wide pale line shows through what lies on it.
@@ -21,25 +21,18 @@ _VISIBLE = 0.01  # of the peak: what a lobe's plot reaches to
 def draw(found: fit.Fit, title: str):
     """The figure of a `fit.Fit` as a matplotlib Figure. Of colours it shows the luminance."""
     import matplotlib
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
     views = _views(found)
     rows, columns = (2, 2) if len(views) == 3 else (1, len(views) + 1)
     height = 0.4 + 3.6 * rows
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(5.3 * columns, height), dpi=150, layout="constrained")
-        FigureCanvasAgg(figure)
-        head, foot = 0.5 / height, 0.27 / height
-        figure.get_layout_engine().set(rect=(0.008, foot, 0.984, 1.0 - head - foot), wspace=0.05, hspace=0.06)
+        figure = captioned((5.3 * columns, height), title, _caption(found))
         axes = figure.subplots(rows, columns).ravel()
         for at, view in zip(axes, views, strict=False):
             _draw_lobe(at, found, view)
         _draw_albedo(axes[-1], found)
         lines, labels = axes[0].get_legend_handles_labels()
-        figure.legend(lines, labels, loc="upper right", ncols=3, bbox_to_anchor=(0.99, 1.0 - 0.1 / height))
-        figure.suptitle(title, x=0.012, y=1.0 - 0.15 / height, ha="left", va="top", size=13, weight="bold", color=INK)
-        figure.text(0.012, 0.06 / height, _caption(found), ha="left", va="bottom", size=8.5, color=GREY)
+        figure.legend(lines, labels, loc="upper right", ncols=3, bbox_to_anchor=(0.99, 1.0))
     return figure
 
 

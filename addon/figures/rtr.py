@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .style import GREY, INK, STYLE
+from .style import STYLE, captioned
 
 SET = ("phong",)
 RESOLUTION, SAMPLES = (880, 440), 64  # twice as wide as high
@@ -39,14 +39,14 @@ def _before_ground(tile, radius):
 def _assemble(picture, row):
     """A tile for each sphere over its m and the specular factor that it has."""
     import matplotlib
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
     side = picture.shape[0] // 2
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.6, 5.95), dpi=150, layout="constrained")
-        FigureCanvasAgg(figure)
-        figure.get_layout_engine().set(rect=(0.0, 0.085, 1.0, 0.845), wspace=0.02, hspace=0.03)
+        figure = captioned((9.6, 5.95), "Highlights of red plastic under a sun, not normalised and normalised", (
+            f"After figure 7.38 of Real-Time Rendering: c = {row.SPECULAR:g}, a diffuse part of {row.DIFFUSE[0]:g} in "
+            "red; kₛ is chosen so that the two leftmost spheres match.\n"
+            "One sun, one exposure. Normalised, the highlight grows brighter as it gets narrower; not normalised, its "
+            "light is lost."))
         tiles = figure.subplots(2, len(row.EXPONENTS))
         for i, title in enumerate(ROWS):
             for j, exponent in enumerate(row.EXPONENTS):
@@ -56,11 +56,4 @@ def _assemble(picture, row):
                 at.set(xticks=(), yticks=(), xlabel=f"m = {exponent:g},  factor {row.scale(exponent, i == 1):.3f} 1/sr")
                 at.spines[:].set_visible(False)
             tiles[i, 0].set_ylabel(title)
-        figure.suptitle("Highlights of red plastic under a sun, not normalised and normalised", x=0.012, y=0.975,
-                        ha="left", va="top", size=13, weight="bold", color=INK)
-        figure.text(0.012, 0.02, (
-            f"After figure 7.38 of Real-Time Rendering: c = {row.SPECULAR:g}, a diffuse part of {row.DIFFUSE[0]:g} in "
-            "red; kₛ is chosen so that the two leftmost spheres match.\n"
-            "One sun, one exposure. Normalised, the highlight grows brighter as it gets narrower; not normalised, its "
-            "light is lost."), size=8.5, color=GREY, va="bottom")
     return figure
