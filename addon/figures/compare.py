@@ -131,7 +131,7 @@ def _shape_note(shown):
     name = shown.model.shape
     if name in shown.given:
         return f"{shown.model.parameter(name).label} = {shown.given[name]:.3g}"
-    return f"no exponent matches: half at {shown.angle:.1f}°"
+    return f"not matched: half at {shown.angle:.1f}°"
 
 
 def _panels(title, caption, count, columns, foot):
