@@ -34,10 +34,10 @@ def picture(material, view_deg=60.0, samples=16, energy=0.0):
 
 def use_table(material, control, path):
     """Name another file in the socket of a material that reads its tables from files."""
-    from addon.blender import materials
+    from addon.blender import groups, nodes
 
     name = "table_controlled" if control else "table_plain"
-    next(s for s in materials.script_node(material).inputs if s.identifier == name).default_value = str(path)
+    groups.sockets(nodes.find_node(material))[name].default_value = str(path)
 
 
 @pytest.mark.parametrize("exponent, typical", [(1.0, 1e-5), (20.0, 1e-5), (3000.0, 1e-4), (100000.0, 1e-3)])
@@ -76,10 +76,10 @@ def test_files_of_the_disk_render_what_compiled_tables_render(model, given):
 
 @pytest.mark.parametrize("model, mode", [("edwards_fit", "volume"), ("reciprocal_disk", "plain")])
 def test_a_bad_file_of_the_disk_is_told(model, mode, tmp_path, capfd):
-    from addon.blender import materials
+    from addon.blender import groups, nodes
 
     material = create_material(model, lut="file")
-    socket = next(s for s in materials.script_node(material).inputs if s.identifier == f"table_{mode}")
+    socket = groups.sockets(nodes.find_node(material))[f"table_{mode}"]
     socket.default_value = str(tmp_path / "gone.exr")
     capfd.readouterr()
     pixels = picture(material, 5.0, 1)

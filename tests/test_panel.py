@@ -190,7 +190,7 @@ def test_presets(bpy):
         material = make("pumped_phong", exponent=3.0, base_color=(0.5, 0.25, 0.125))
         with bpy.context.temp_override(material=material):
             assert bpy.ops.plausible.apply_preset(preset=name) == {"FINISHED"}
-        node = materials.script_node(material)
+        node = materials.find_node(material)
         model = materials.model_of(node)
         assert model.id == preset.model
         expected = model.resolve(preset.parameters)
@@ -207,18 +207,18 @@ def converted(bpy, material, model_id, capsys):
     with bpy.context.temp_override(material=material):
         assert bpy.ops.plausible.convert(model=model_id) == {"FINISHED"}
     printed = capsys.readouterr()
-    return materials.script_node(material), printed.out + printed.err
+    return materials.find_node(material), printed.out + printed.err
 
 
 def test_convert_keeps_the_width_of_the_lobe(bpy, no_weights, capsys):
-    from addon.blender import materials
+    from addon.blender import materials, nodes
     from addon.fitting import match
 
     material = make("pumped_phong", exponent=50.0, pumps=2.0, base_color=(0.5, 0.25, 0.125), samples=7)
     tree = material.node_tree
     colour, normal = tree.nodes.new("ShaderNodeRGB"), tree.nodes.new("ShaderNodeNormalMap")
     pumps = tree.nodes.new("ShaderNodeValue")
-    node = materials.script_node(material)
+    node = materials.find_node(material)
     for source, name in ((colour, "base_color"), (normal, "shading_normal"), (pumps, "pumps")):
         tree.links.new(source.outputs[0], materials.socket_of(node, brdf.MODELS["pumped_phong"].parameter(name)))
     node, words = converted(bpy, material, "disk_scaling", capsys)
@@ -230,7 +230,7 @@ def test_convert_keeps_the_width_of_the_lobe(bpy, no_weights, capsys):
     lump = (1.0 - math.tan(beta) ** 2) ** values["exponent"] / (math.cos(2.0 * beta) * math.cos(beta) ** 4)
     assert lump == pytest.approx(0.5, rel=1e-4)
     assert values["f90"] == values["base_color"] == (0.5, 0.25, 0.125)
-    assert materials.get_value(node, model.parameter("samples")) == 7
+    assert nodes.get_value(node, model.parameter("samples")) == 7
     linked = {p.id: materials.socket_of(node, p).links[0].from_node.name for p in model.parameters
               if materials.socket_of(node, p).is_linked}
     assert linked == {"base_color": colour.name, "shading_normal": normal.name}
@@ -263,7 +263,7 @@ def test_the_error_of_baked_weights_is_shown_while_they_hold(bpy, no_weights):
     material = make("ward")
     assert "within 1.2 %, their light within 0.1 %" in words(material)
     assert "Baked:" not in words(make("phong"))
-    next(s for s in materials.script_node(material).inputs if s.identifier == "roughness_u").default_value = 0.4
+    materials.socket_of(materials.find_node(material), brdf.MODELS["ward"].parameter("roughness_u")).default_value = 0.4
     assert "The weights are for other values" in words(material) and "Baked:" not in words(material)
 
 
@@ -302,7 +302,7 @@ def test_linked_socket_shows_its_source_and_no_slider(bpy):
     from addon.blender import materials
 
     material = make("pumped_phong")
-    node = materials.script_node(material)
+    node = materials.find_node(material)
     source = material.node_tree.nodes.new("ShaderNodeTexNoise")
     source.label = "Scratches"
     for name in ("pumps", "shading_normal", "use_roughness"):
@@ -332,10 +332,10 @@ def test_properties_are_declared_by_the_registry(bpy, no_weights, model_id):
 
 
 def test_values_live_in_the_sockets_only(bpy):
-    from addon.blender import materials
+    from addon.blender import materials, nodes
 
     material = make("pumped_blinn", exponent=35.0)
-    model, node, group = brdf.MODELS["pumped_blinn"], materials.script_node(material), material.plausible_brdf
+    model, node, group = brdf.MODELS["pumped_blinn"], materials.find_node(material), material.plausible_brdf
     written = {"exponent": 50.0, "pumps": 2.5, "control": False, "samples": 7, "fresnel_type": "conductor",
                "base_color": (0.25, 0.5, 0.75), "ior": (0.5, 1.5, 12.0)}
     assert group.exponent == 35.0
@@ -343,7 +343,7 @@ def test_values_live_in_the_sockets_only(bpy):
         setattr(group, name, value)
         shown = getattr(group, name)
         assert (tuple(shown) if isinstance(value, tuple) else shown) == value
-        held = materials.get_value(node, model.parameter(name))
+        held = nodes.get_value(node, model.parameter(name))
         assert held == model.parameter(name).check(value)
     materials.set_value(node, model.parameter("exponent"), 12.0)
     assert group.exponent == 12.0
@@ -366,7 +366,7 @@ def test_a_path_is_written_whole(bpy, no_weights, tmp_path):
     material = make("ndf_map")
     material.plausible_brdf.image = "//maps/star.png"
     whole = str(tmp_path / "maps" / "star.png")
-    assert material.plausible_brdf.image == materials.values(materials.script_node(material))["image"] == whole
+    assert material.plausible_brdf.image == materials.values(materials.find_node(material))["image"] == whole
     material.plausible_brdf.image = ""
     assert material.plausible_brdf.image == ""
 
@@ -482,10 +482,10 @@ def test_cancelled_bake_leaves_the_old_table(bpy, one_table):
 
 def make_without_tables():
     """A material whose model reads tables, although there are none: its model is changed behind the scenes."""
-    from addon.blender import materials, osl
+    from addon.blender import groups, materials
 
     material = make("phong")
-    materials.script_node(material)[osl.MODEL_KEY] = "pumped_phong"
+    materials.find_node(material).node_tree[groups.MODEL_KEY] = "pumped_phong"
     return material
 
 
@@ -520,10 +520,10 @@ def test_failed_bake_is_reported(bpy, monkeypatch, capsys):
 
 
 def test_update_materials_compiles_anew(bpy):
-    from addon.blender import materials
+    from addon.blender import groups, materials
 
     material = make("pumped_phong", exponent=33.0)
-    node = materials.script_node(material)
-    right, node.bytecode = node.bytecode, "stale"
+    script = groups.script_of(materials.find_node(material))
+    right, script.bytecode = script.bytecode, "stale"
     assert bpy.ops.plausible.update_materials() == {"FINISHED"}
-    assert node.bytecode == right and material.plausible_brdf.exponent == 33.0
+    assert script.bytecode == right and material.plausible_brdf.exponent == 33.0

@@ -471,7 +471,14 @@ def albedo_at(view_deg, model=DEFAULT[0], parameters=DEFAULT[1]):
 def node_of(material):
     from addon.blender import materials
 
-    return materials.script_node(material)
+    return materials.find_node(material)
+
+
+def sockets_of(material):
+    """{parameter id: socket} of the node of ours in a material."""
+    from addon.blender import groups
+
+    return groups.sockets(node_of(material))
 
 
 def surface_socket(material):
@@ -517,7 +524,7 @@ def test_lit_pictures_are_finite_and_not_negative(model):
 def link_normal(material, build):
     """Plug what `build(nodes, links)` returns, a socket, into the material's normal."""
     nodes, links = material.node_tree.nodes, material.node_tree.links
-    socket = next(s for s in node_of(material).inputs if s.identifier == "shading_normal")
+    socket = sockets_of(material)["shading_normal"]
     links.new(build(nodes, links), socket)
 
 
@@ -600,12 +607,12 @@ def test_mixed_half_and_half_with_diffuse():
 def test_inside_a_node_group():
     import bpy
 
-    from addon.blender import osl
+    from addon.blender import groups
 
     tree = bpy.data.node_groups.new("Wrapped", "ShaderNodeTree")
     tree.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
-    script = osl.add_script_node(tree, brdf.MODELS["pumped_phong"])
-    tree.links.new(script.outputs["BSDF"], tree.nodes.new("NodeGroupOutput").inputs[0])
+    node = groups.add_node(tree, brdf.MODELS["pumped_phong"])
+    tree.links.new(node.outputs["BSDF"], tree.nodes.new("NodeGroupOutput").inputs[0])
     material = create_material("phong")
     group = material.node_tree.nodes.new("ShaderNodeGroup")
     group.node_tree = tree
@@ -746,7 +753,7 @@ def test_a_socket_out_of_range_renders_what_its_bound_renders(name, wild, held):
     pictures = []
     for value in (wild, held):
         material = create_material(DEFAULT[0], **DEFAULT[1])
-        socket = next(s for s in node_of(material).inputs if s.identifier == name)
+        socket = sockets_of(material)[name]
         socket.default_value = (*value, 1.0) if isinstance(value, tuple) else value
         pictures.append(plane(material, 60.0, samples=4))
     assert np.array_equal(*pictures)
@@ -756,7 +763,7 @@ def test_a_socket_out_of_range_renders_what_its_bound_renders(name, wild, held):
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 def test_a_socket_that_is_no_number_renders_numbers(name, value):
     material = create_material(DEFAULT[0], **DEFAULT[1], use_roughness=name == "roughness")
-    next(s for s in node_of(material).inputs if s.identifier == name).default_value = value
+    sockets_of(material)[name].default_value = value
     pixels = plane(material, 60.0, samples=4)
     assert np.isfinite(pixels).all() and pixels.min() >= 0.0 and pixels.max() <= LARGEST_SAMPLE
 

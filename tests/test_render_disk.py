@@ -18,10 +18,10 @@ from test_render import (
     assert_good,
     ball,
     cosines,
-    node_of,
     plane,
     plant,
     rgb,
+    sockets_of,
 )
 
 from addon import brdf, create_material, verify
@@ -168,7 +168,7 @@ def test_a_linked_tangent_turns_the_lump():
     nodes = material.node_tree.nodes
     vector = nodes.new("ShaderNodeCombineXYZ")
     vector.inputs[1].default_value = 1.0
-    socket = next(s for s in node_of(material).inputs if s.identifier == "tangent")
+    socket = sockets_of(material)["tangent"]
     material.node_tree.links.new(vector.outputs[0], socket)
     lights, view = across_plane(40.0, (10.0,)), view_at(cosines([40.0]))
     f, noise = verify.goniometer(material, 40.0, lights, samples=256)
@@ -254,7 +254,7 @@ def test_no_sample_is_negative(model, given, view_deg):
 ])
 def test_a_socket_out_of_range_renders_numbers(name, wild):
     material = create_material("disk_scaling")
-    next(s for s in node_of(material).inputs if s.identifier == name).default_value = wild
+    sockets_of(material)[name].default_value = wild
     pixels = plane(material, 60.0, samples=16)
     assert np.isfinite(pixels).all() and pixels.min() >= 0.0
     assert pixels.mean() == pytest.approx(1.0, abs=0.02)  # held on the disk, whatever it is

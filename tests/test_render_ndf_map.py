@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from test_ndf_map import letter, spot, written
-from test_render import SIGMAS, node_of
+from test_render import SIGMAS, node_of, sockets_of
 from test_render_weights import is_striped, picture_of
 
 from addon import create_material, verify
@@ -42,7 +42,7 @@ def material_of(image, tangent):
     vector = material.node_tree.nodes.new("ShaderNodeCombineXYZ")
     vector.inputs[0].default_value = np.cos(np.radians(tangent))
     vector.inputs[1].default_value = np.sin(np.radians(tangent))
-    socket = next(s for s in node_of(material).inputs if s.identifier == "tangent")
+    socket = sockets_of(material)["tangent"]
     material.node_tree.links.new(vector.outputs[0], socket)
     return material
 

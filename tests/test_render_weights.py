@@ -10,10 +10,22 @@ from dataclasses import replace
 import bpy
 import numpy as np
 import pytest
-from test_render import FURNACE_BOUND, POINT_BOUND, SIGMAS, TOTAL_BOUND, Sun, albedo_of, cosines, node_of, plane, rgb
+from test_render import (
+    FURNACE_BOUND,
+    POINT_BOUND,
+    SIGMAS,
+    TOTAL_BOUND,
+    Sun,
+    albedo_of,
+    cosines,
+    node_of,
+    plane,
+    rgb,
+    sockets_of,
+)
 
 from addon import brdf, create_material, verify
-from addon.blender import materials
+from addon.blender import materials, nodes
 from addon.brdf.geometry import view_at
 
 pytestmark = pytest.mark.blender
@@ -105,7 +117,7 @@ def test_tangent_turns_the_lobe(turned, view_deg):
         nodes = material.node_tree.nodes
         vector = nodes.new("ShaderNodeCombineXYZ")
         vector.inputs[1].default_value = 1.0
-        socket = next(s for s in node_of(material).inputs if s.identifier == "tangent")
+        socket = sockets_of(material)["tangent"]
         material.node_tree.links.new(vector.outputs[0], socket)
     lights = np.concatenate([verify.in_plane([view_deg - 20.0, view_deg, view_deg + 15.0]),
                              verify.across_lobe(view_deg, (5.0, 15.0))])
@@ -154,7 +166,7 @@ def test_stale_weights_are_striped():
     material = create_material("cook_torrance", roughness=0.2)
     node = node_of(material)
     assert not is_striped(picture_of(material)) and not materials.is_stale(node)
-    socket = next(s for s in node.inputs if s.identifier == "roughness")
+    socket = sockets_of(material)["roughness"]
     socket.default_value = 0.3
     assert is_striped(picture_of(material)) and materials.is_stale(node)
     materials.bake_weights(node)
@@ -163,7 +175,7 @@ def test_stale_weights_are_striped():
     value.outputs[0].default_value = 0.35
     material.node_tree.links.new(value.outputs[0], socket)
     assert is_striped(picture_of(material))
-    assert materials.driven(node) == ["Slope m"]
+    assert nodes.driven(node) == ["Slope m"]
 
 
 def test_values_are_followed():
@@ -176,7 +188,7 @@ def test_values_are_followed():
     albedo = brdf.MODELS["cosine_microfacet"].albedo(cosines([60.0]), exponent=10.0, base_color=0.5)
     assert plane(material, 60.0, samples=64).mean() == pytest.approx(float(np.mean(albedo)), abs=4e-3)
     materials.change_model(material, "pumped_phong")
-    assert not materials.is_stale(materials.script_node(material)) and not is_striped(picture_of(material))
+    assert not materials.is_stale(materials.find_node(material)) and not is_striped(picture_of(material))
 
 
 READER = """

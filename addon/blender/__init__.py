@@ -8,20 +8,27 @@ def register():
     """Register everything. What fails is raised, after all that was registered before it is taken back."""
     import bpy
 
-    from . import luts, materials, operators, panels, preferences, properties
+    from . import add_menu, luts, operators, panels, preferences, properties, rebake, upgrade, watch
 
     global _registered
     if _registered is not None:
         raise RuntimeError("Plausible BRDF is registered already")
     with contextlib.ExitStack() as undo:
-        for module in (properties, operators, panels, preferences):
+        for module in (properties, operators, add_menu, panels, preferences):
             for cls in module.CLASSES:
                 bpy.utils.register_class(cls)
                 undo.callback(bpy.utils.unregister_class, cls)
         bpy.types.Material.plausible_brdf = bpy.props.PointerProperty(type=properties.PlausibleMaterial)
         undo.callback(delattr, bpy.types.Material, "plausible_brdf")
         undo.callback(luts.stop)
-        undo.callback(materials.stop_waiting)
+        undo.callback(rebake.stop)
+        add_menu.register_menu()
+        undo.callback(add_menu.unregister_menu)
+        for handlers, handler in ((bpy.app.handlers.load_post, upgrade.on_load),
+                                  (bpy.app.handlers.depsgraph_update_post, watch.on_update)):
+            handlers.append(handler)
+            undo.callback(handlers.remove, handler)
+        undo.callback(watch.stop)
         luts.choose_folder()
         _registered = undo.pop_all()
 

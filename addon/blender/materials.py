@@ -1,25 +1,22 @@
-"""Materials: a Script node for Cycles, a Principled stand-in for EEVEE, and the viewport colour for Workbench."""
-import json
-
+"""Materials: the node of a model for Cycles, its stand-in for EEVEE, and the viewport colour for Workbench."""
 import bpy
 
 from .. import brdf
-from ..baking import weights_error
 from ..fitting import match
 from ..shading import source
-from . import osl
+from . import groups, osl, rebake, stand_in
+from .groups import model_of
+from .nodes import bake_weights, find_node, is_stale, note_values, read, socket_of, values, write
+from .replace import replace_node
 
-BAKED_KEY = "plausible_baked"  # the values that the weights of a baked model were made for
-ERROR_KEY = "plausible_baked_error"  # of these weights: largest errors of the lobe and of the albedo up to 80 degrees
-PAUSE = 0.3  # seconds that a value rests before its weights are baked
-CYCLES_OUTPUT, STAND_IN, STAND_IN_OUTPUT = "Cycles Output", "Stand-in for EEVEE", "EEVEE Output"
+CYCLES_OUTPUT, STAND_IN_OUTPUT = "Cycles Output", "EEVEE Output"
 
 
 def create_material(model_id: str, name: str | None = None, lut: str = source.COMPILED, **parameters):
     """A new material that renders `model_id` in Cycles as it stands, also after save, move and reload.
 
-    `parameters` are the model's own, by socket identifier (see `brdf.MODELS[model_id].parameters`); `lut` is
-    "compiled" (the albedo tables travel in the material) or "file" (they are read from their image files).
+    `parameters` are the model's own, by identifier (see `brdf.MODELS[model_id].parameters`); `lut` is "compiled" (the
+    albedo tables travel in the material) or "file" (they are read from their image files).
     OSL must be switched on in the scene that renders it: see `use_osl`.
 
     Raises ValueError for an unknown model or parameter and for a value out of range, brdf.TableError when an albedo
@@ -36,55 +33,22 @@ def create_material(model_id: str, name: str | None = None, lut: str = source.CO
     if "roughness" in parameters and any(p.id == "use_roughness" for p in model.parameters):
         parameters = {"use_roughness": True, **parameters}
     for key, value in parameters.items():
-        _write(node, model.parameter(key), value)
-    _note_values(node)
-    update_stand_in(material)
+        write(node, model.parameter(key), value)
+    note_values(node)
+    update_viewport(material)
     return material
 
 
 def _build_tree(tree, model, lut, parameters):
-    node = osl.add_script_node(tree, model, lut, parameters)
+    node = groups.add_node(tree, model, lut, parameters)
     node.location = (-260.0, 300.0)
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    output.name = output.label = CYCLES_OUTPUT
-    output.target, output.location = "CYCLES", (40.0, 300.0)
-    tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
-    stand_in = tree.nodes.new("ShaderNodeBsdfPrincipled")
-    stand_in.name = stand_in.label = STAND_IN
-    stand_in.location = (-260.0, -180.0)
-    other = tree.nodes.new("ShaderNodeOutputMaterial")
-    other.name = other.label = STAND_IN_OUTPUT
-    other.target, other.location = "EEVEE", (40.0, -180.0)
-    tree.links.new(stand_in.outputs["BSDF"], other.inputs["Surface"])
+    for name, target, output, height in ((CYCLES_OUTPUT, "CYCLES", groups.BSDF, 300.0),
+                                         (STAND_IN_OUTPUT, "EEVEE", groups.STAND_IN, 100.0)):
+        end = tree.nodes.new("ShaderNodeOutputMaterial")
+        end.name = end.label = name
+        end.target, end.location = target, (40.0, height)
+        tree.links.new(node.outputs[output], end.inputs["Surface"])
     return node
-
-
-def script_node(material):
-    """The Script node of ours in a material, or None."""
-    if material is None or material.node_tree is None:
-        return None
-    for node in material.node_tree.nodes:
-        if model_of(node) is not None:
-            return node
-    return None
-
-
-def model_of(node):
-    """The model that a node carries, or None when it is not ours or of an unknown model."""
-    if node.bl_idname != "ShaderNodeScript":
-        return None
-    return brdf.MODELS.get(node.get(osl.MODEL_KEY))
-
-
-def socket_of(node, parameter):
-    """The socket of a parameter, or None where the node lacks it."""
-    return next((s for s in node.inputs if s.identifier == parameter.id), None)
-
-
-def get_value(node, parameter):
-    """Value of a parameter as its socket holds it: a number, or a tuple of three."""
-    value = socket_of(node, parameter).default_value
-    return tuple(value)[:3] if parameter.kind in ("color", "vector") else value
 
 
 def set_value(node, parameter, value):
@@ -93,134 +57,39 @@ def set_value(node, parameter, value):
 
 
 def set_values(node, new: dict):
-    """Write sockets, {parameter: value}, and bring stand-in and weights up to date.
+    """Write sockets, {parameter: value}, and bring viewport and weights up to date.
 
     Weights are baked at once in background mode; in a window when values have rested for a moment, as dragging a slider
     writes many. Raises ValueError for a value out of range.
     """
     for parameter, value in new.items():
-        _write(node, parameter, value)
+        write(node, parameter, value)
     material = next((m for m in bpy.data.materials if m.node_tree == node.id_data), None)
-    if material is not None:  # inside a group there is no one stand-in
-        update_stand_in(material)
+    if material is not None:  # a node inside a group has no one material
+        update_viewport(material)
     if not is_stale(node):
         return
     if bpy.app.background or material is None:
         bake_weights(node)
     else:
-        _bake_soon(material.name_full)
+        rebake.soon(material)
 
 
-def is_stale(node) -> bool:
-    """Whether a node's weights are for other values than its sockets hold, or for an image that has changed since.
-
-    An image that is gone has not changed: the weights are all that is left of it.
-    """
-    if not model_of(node).baked:
-        return False
-    *then, files = json.loads(node.get(BAKED_KEY, "[null, {}]"))
-    *now, files_now = json.loads(_values_text(node))
-    return then != now or any(files.get(name, stamp) != stamp for name, stamp in files_now.items() if stamp)
-
-
-def baked_error(node):
-    """Largest errors (of the lobe, of the albedo) of a node's weights up to 80 degrees; None where none are known."""
-    return tuple(node[ERROR_KEY]) if ERROR_KEY in node else None
-
-
-def driven(node) -> list:
-    """Labels of parameters that a link drives although the node's weights are for one value of each."""
-    model = model_of(node)
-    return [p.label for p in model.parameters if model.baked and p.evaluated and socket_of(node, p).is_linked]
-
-
-def bake_weights(node):
-    """Bake a node's weights for the values of its sockets. Raises ValueError, osl.OslError as `create_material`."""
-    osl.load(node, model_of(node), node.get(osl.LUT_KEY, source.COMPILED), values(node))
-    _note_values(node)
-
-
-def _note_values(node):
-    model = model_of(node)
-    if model.baked:
-        node[BAKED_KEY] = _values_text(node)
-        node[ERROR_KEY] = weights_error.error(model, values(node)).largest()
-
-
-def _values_text(node):
-    given = values(node)
-    stamps = {p.id: p.stamp(given[p.id]) for p in model_of(node).parameters if p.kind == "image"}
-    return json.dumps([given, stamps])
-
-
-_resting = {}  # material name -> the timer that waits for its values to rest
-
-
-def _bake_soon(name):
-    stop_waiting(name)
-
-    def bake():
-        _resting.pop(name, None)
-        material = next((m for m in bpy.data.materials if m.name_full == name), None)
-        node = script_node(material)
-        if node is None or not is_stale(node):
-            return
-        try:
-            bake_weights(node)
-        except (RuntimeError, ValueError, OSError) as error:  # the weights stay stale, which the panel shows
-            print(f"Plausible BRDF: {name}: {error}")
-
-    _resting[name] = bake
-    bpy.app.timers.register(bake, first_interval=PAUSE)
-
-
-def stop_waiting(name: str | None = None):
-    """Forget the bakes that wait for the values of a material, or of all, to rest."""
-    for key in [name] if name else list(_resting):
-        timer = _resting.pop(key, None)
-        if timer is not None and bpy.app.timers.is_registered(timer):
-            bpy.app.timers.unregister(timer)
-
-
-def _write(node, parameter, value):
-    value = parameter.check(value)
-    socket_of(node, parameter).default_value = (*value, 1.0) if parameter.kind == "color" else value
-
-
-def values(node) -> dict:
-    """All values of a node that the formula takes, by parameter id, held to their ranges as the shader holds them.
-
-    A socket takes any number in the node editor, so what it holds may be out of range.
-    """
-    return {p.id: p.clamp(get_value(node, p)) for p in model_of(node).parameters if p.evaluated}
-
-
-def update_stand_in(material):
-    """Give EEVEE's Principled stand-in and the viewport the look that comes nearest: a metal of this colour."""
-    node = script_node(material)
+def update_viewport(material):
+    """Give the solid view the look that comes nearest to a material's model."""
+    node = find_node(material)
     if node is None:
         return
-    model = model_of(node)
     try:
-        colour, exponent, metallic = model.stand_in(model.resolve(values(node)))
+        colour, roughness, metallic = stand_in.look(model_of(node), values(node))
     except ValueError as error:  # an image that cannot be read: all stays as it was
         print(f"Plausible BRDF: {material.name}: {error}")
         return
-    colour = [float(min(max(c, 0.0), 1.0)) for c in colour]
-    # A half-vector power of n looks like a Beckmann lobe.
-    roughness = brdf.roughness_of_exponent(exponent)
-    principled = material.node_tree.nodes.get(STAND_IN)
-    if principled is not None:
-        principled.inputs["Base Color"].default_value = (*colour, 1.0)
-        principled.inputs["Metallic"].default_value = metallic
-        principled.inputs["Roughness"].default_value = roughness
-    material.diffuse_color = (*colour, 1.0)
-    material.metallic, material.roughness = metallic, roughness
-
-
-def rebuild(material):
-    """Compile a material's shader anew, with the tables of today; values and links stay."""
-    bake_weights(_node_of(material))
+    look = (*colour, 1.0, metallic, roughness)
+    now = (*material.diffuse_color, material.metallic, material.roughness)
+    if any(abs(a - b) > 1e-6 for a, b in zip(look, now, strict=True)):  # writing wakes whoever watches materials
+        material.diffuse_color = look[:4]
+        material.metallic, material.roughness = metallic, roughness
 
 
 def change_model(material, model_id: str, given: dict | None = None):
@@ -228,27 +97,16 @@ def change_model(material, model_id: str, given: dict | None = None):
 
     `given` are values, by id, to put in place of the old ones.
     """
-    old = _node_of(material)
-    tree, model = material.node_tree, brdf.find_model(model_id)
-    both = [p for p in model.parameters if socket_of(old, p) is not None]
-    kept = {p.id: p.clamp(get_value(old, p)) for p in both if p.evaluated}
+    old, model = _node_of(material), brdf.find_model(model_id)
+    before = groups.sockets(old)
+    kept = {p.id: p.clamp(read(before[p.id], p)) for p in model.parameters if p.id in before and p.evaluated}
     # What is baked is baked once, for the values that the node is going to have.
-    new = osl.add_script_node(tree, model, old.get(osl.LUT_KEY, source.COMPILED), kept if given is None else given)
-    new.location = old.location
-    for parameter in both:
-        source_socket = socket_of(old, parameter)
-        socket_of(new, parameter).default_value = source_socket.default_value
-        for link in list(source_socket.links):
-            tree.links.new(link.from_socket, socket_of(new, parameter))
+    new = groups.add_node(material.node_tree, model, groups.lut_of(old), kept if given is None else given)
+    replace_node(old, before, new)
     for key, value in (given or {}).items():
-        _write(new, model.parameter(key), value)
-    for link in list(old.outputs["BSDF"].links):
-        tree.links.new(new.outputs["BSDF"], link.to_socket)
-    name = old.name
-    tree.nodes.remove(old)
-    new.name = name
-    _note_values(new)
-    update_stand_in(material)
+        write(new, model.parameter(key), value)
+    note_values(new)
+    update_viewport(material)
 
 
 def convert(material, model_id: str):
@@ -270,8 +128,8 @@ def unplugged(material, model_id: str) -> list:
 
 
 def _node_of(material):
-    """The Script node of ours. Raises ValueError where there is none."""
-    node = script_node(material)
+    """The node of ours. Raises ValueError where there is none."""
+    node = find_node(material)
     if node is None:
         raise ValueError(f"{material.name!r} has no Plausible BRDF node")
     return node
@@ -280,7 +138,7 @@ def _node_of(material):
 def apply_preset(material, preset):
     """Turn a material into a `brdf.presets.Preset`: its model, and every parameter that the formula takes."""
     given = {p.id: preset.parameters.get(p.id, p.default) for p in brdf.MODELS[preset.model].parameters if p.evaluated}
-    node = script_node(material)
+    node = find_node(material)
     if node is None or model_of(node).id != preset.model:
         change_model(material, preset.model, given)
     else:

@@ -7,7 +7,8 @@ import bpy
 from ..brdf import MODELS
 from ..brdf.metals import METALS
 from ..brdf.presets import PRESETS
-from . import luts, materials, osl
+from . import luts, materials, nodes, osl, upgrade
+from .areas import redraw
 from .properties import MODEL_ITEMS
 
 _PRESET_ITEMS = [(name, preset.label, preset.help, i) for i, (name, preset) in enumerate(PRESETS.items())]
@@ -37,9 +38,9 @@ def material_of(context):
 
 
 def plausible_node(material):
-    """(Script node, model) of a material made here; (None, None) for any other."""
-    node = materials.script_node(material) if material else None
-    model = materials.model_of(node) if node else None
+    """(node, model) of a material made here; (None, None) for any other."""
+    node = nodes.find_node(material)
+    model = nodes.model_of(node) if node else None
     return (node, model) if model else (None, None)
 
 
@@ -231,7 +232,7 @@ class PLAUSIBLE_OT_bake_weights(_OnMaterial, bpy.types.Operator):
 
     @_reporting
     def execute(self, context):
-        materials.bake_weights(plausible_node(material_of(context))[0])
+        nodes.bake_weights(plausible_node(material_of(context))[0])
         return {"FINISHED"}
 
 
@@ -274,7 +275,7 @@ class PLAUSIBLE_OT_bake_luts(bpy.types.Operator):
             return {"PASS_THROUGH"}
         context.window_manager.progress_update(100 * luts.job.share)
         context.workspace.status_text_set(f"{progress_text(luts.job)}   Esc: cancel")
-        _redraw(context)
+        redraw()
         if luts.job.running:
             return {"PASS_THROUGH"}
         self._leave(context)
@@ -309,7 +310,7 @@ class PLAUSIBLE_OT_bake_luts(bpy.types.Operator):
         context.window_manager.progress_end()
         if context.workspace is not None:
             context.workspace.status_text_set(None)
-        _redraw(context)
+        redraw()
 
     def _end(self):
         if luts.job.error is not None:
@@ -319,7 +320,6 @@ class PLAUSIBLE_OT_bake_luts(bpy.types.Operator):
             self.report({"WARNING"}, "The bake is cancelled; tables that were not complete are as they were")
             return {"CANCELLED"}
         seconds = time.monotonic() - self._began
-        seconds = time.monotonic() - self._began
         self.report({"INFO"}, f"{len(luts.job.names)} tables baked in {seconds:.0f} s. Materials keep the tables that "
                               "are compiled into them until Update Materials")
         return {"FINISHED"}
@@ -328,14 +328,6 @@ class PLAUSIBLE_OT_bake_luts(bpy.types.Operator):
 def progress_text(job) -> str:
     """What the bake is doing, for panel and status bar."""
     return "Cancelling" if job.cancelling else f"Baking {job.table.replace('_', ' ')}, {100 * job.share:.0f} %"
-
-
-def _redraw(context):
-    """Have the areas that show the panel drawn again."""
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type in ("PROPERTIES", "NODE_EDITOR", "PREFERENCES"):
-                area.tag_redraw()
 
 
 class PLAUSIBLE_OT_cancel_bake(bpy.types.Operator):
@@ -354,8 +346,25 @@ class PLAUSIBLE_OT_cancel_bake(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class PLAUSIBLE_OT_upgrade(bpy.types.Operator):
+    """Bring all nodes that an earlier version of the extension made up to this one; values, links and keyframes stay"""
+
+    bl_idname = "plausible.upgrade"
+    bl_label = "Upgrade Materials"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return _osl_works(cls)
+
+    def execute(self, context):
+        said = upgrade.upgrade_all() or "No node is of an earlier version"
+        self.report({"WARNING"} if "Not upgraded" in said else {"INFO"}, said)
+        return {"FINISHED"}
+
+
 class PLAUSIBLE_OT_update_materials(bpy.types.Operator):
-    """Compile the shaders of all Plausible BRDF materials in this file again, with today's tables; values stay"""
+    """Compile the shaders of all Plausible BRDF nodes in this file again, with today's tables; values stay"""
 
     bl_idname = "plausible.update_materials"
     bl_label = "Update Materials"
@@ -367,10 +376,11 @@ class PLAUSIBLE_OT_update_materials(bpy.types.Operator):
 
     @_reporting
     def execute(self, context):
-        updated = [m for m in bpy.data.materials if m.is_editable and plausible_node(m)[1] is not None]
-        for material in updated:
-            materials.rebuild(material)
-        self.report({"INFO"}, f"{len(updated)} materials updated")
+        upgrade.upgrade_all()
+        ours = [node for tree in nodes.trees() for node in tree.nodes if nodes.model_of(node) is not None]
+        for node in ours:
+            nodes.bake_weights(node)
+        self.report({"INFO"}, f"{len(ours)} nodes updated")
         return {"FINISHED"}
 
 
@@ -378,5 +388,5 @@ CLASSES = (
     PLAUSIBLE_OT_new_material, PLAUSIBLE_OT_use_osl, PLAUSIBLE_OT_set_metal, PLAUSIBLE_MT_metals,
     PLAUSIBLE_OT_apply_preset, PLAUSIBLE_OT_convert, PLAUSIBLE_MT_convert, PLAUSIBLE_OT_bake_weights,
     PLAUSIBLE_MT_presets,
-    PLAUSIBLE_OT_bake_luts, PLAUSIBLE_OT_cancel_bake, PLAUSIBLE_OT_update_materials,
+    PLAUSIBLE_OT_bake_luts, PLAUSIBLE_OT_cancel_bake, PLAUSIBLE_OT_upgrade, PLAUSIBLE_OT_update_materials,
 )

@@ -9,8 +9,6 @@ import bpy
 from ..baking import weights
 from ..shading import source
 
-MODEL_KEY = "plausible_model"
-LUT_KEY = "plausible_lut"
 SOCKETS = {"float": "NodeSocketFloat", "int": "NodeSocketInt", "enum": "NodeSocketInt", "bool": "NodeSocketBool",
            "color": "NodeSocketColor", "vector": "NodeSocketVector", "image": "NodeSocketString"}
 _compiled = {}
@@ -74,22 +72,17 @@ def _without_places(bytecode):
     return re.sub(r'\s%(?:filename|line)\{[^}]*\}', "", "\n".join(lines)) + "\n"
 
 
-def add_script_node(tree, model, lut: str = source.COMPILED, parameters: dict | None = None):
-    """Add a Script node that holds the compiled model, its sockets made from the registry, to a node tree.
+def add_script_node(tree, model, bytecode: str, lut: str = source.COMPILED):
+    """Add a Script node with a model's `bytecode` to a node tree, its sockets made from the registry.
 
     The sockets are made here, not by Blender: what Blender does to make them differs with version and build.
     """
     node = tree.nodes.new("ShaderNodeScript")
     node.label, node.width = model.label, 220.0
-    node[MODEL_KEY] = model.id
-    load(node, model, lut, parameters)
+    fill(node, bytecode)
     for parameter in model.parameters:
         socket = node.inputs.new(SOCKETS[parameter.kind], parameter.label, identifier=parameter.id)
-        socket.default_value = (*parameter.default, 1.0) if parameter.kind == "color" else parameter.default
-        if hasattr(socket, "description"):
-            socket.description = parameter.help
-        # A normal of zeros means the surface's own; it is linked or nothing.
-        socket.hide_value = parameter.kind == "vector"
+        socket.default_value = stored(socket, parameter.default)
     if lut == source.FILE:
         for name in model.tables:
             table = source.tables.TABLES[name]
@@ -100,13 +93,16 @@ def add_script_node(tree, model, lut: str = source.COMPILED, parameters: dict | 
     return node
 
 
-def load(node, model, lut: str = source.COMPILED, parameters: dict | None = None):
-    """Put freshly compiled bytecode into a Script node; its sockets, values and links stay."""
-    bytecode = compile_model(model, lut, parameters)
+def stored(socket, value):
+    """A parameter's value as its socket holds it: colours have a fourth number."""
+    return (*value, 1.0) if isinstance(value, tuple) and len(socket.default_value) == 4 else value
+
+
+def fill(node, bytecode: str):
+    """Put bytecode into a Script node."""
     node.mode = "INTERNAL"
     node.bytecode = bytecode
     node.bytecode_hash = hashlib.md5(bytecode.encode()).hexdigest()
-    node[LUT_KEY] = lut
 
 
 def supports_osl(scene) -> bool:

@@ -4,14 +4,12 @@ import textwrap
 import bpy
 
 from ..brdf.disk_model import DiskModel
-from ..brdf.parameters import COLOUR, EMPIRICAL
-from . import luts, operators, status
-from .materials import baked_error, driven, is_stale, socket_of, values
+from ..brdf.parameters import COLOR, LOBE, RETROREFLECTION
+from . import luts, operators, rebake, status
+from .nodes import baked_error, driven, is_stale, socket_of, values
 from .operators import material_of, plausible_node
 from .properties import NAMES
 
-_COLOUR_IDS = {parameter.id for parameter in COLOUR} | {"diffuse_color"}
-_RETRO_IDS = {parameter.id for parameter in EMPIRICAL if parameter.id.startswith("retro")}
 _AT_GRAZING = {"grazing_exponent", "retro_grazing_exponent"}  # read where exponents vary with the angle
 _METAL_IDS = {"base_color", "ior", "extinction"}
 # A parameter that only one choice of Fresnel reads is shown with that choice only.
@@ -105,7 +103,7 @@ class _Main(_Face):
 
     def draw(self, context):
         layout, material, node, model = self.begin(context)
-        for notice in status.notices(context, model):
+        for notice in status.notices(context, node, material):
             draw_notice(layout, context, notice)
         if model is None:
             layout.operator("plausible.new_material", icon="ADD")
@@ -115,19 +113,21 @@ class _Main(_Face):
         row.operator("plausible.new_material", text="", icon="ADD").model = model.id
         row.menu("PLAUSIBLE_MT_convert", text="", icon="ARROW_LEFTRIGHT")
         row.menu("PLAUSIBLE_MT_presets", text="", icon="PRESET")
-        draw_weights(layout, context, node)
+        draw_weights(layout, context, material, node)
         if status.osl_is_on(context.scene):
             note = layout.row()
             note.active = False
             draw_text(note, context, "Open Shading Language is on for this scene", "INFO")
 
 
-def draw_weights(layout, context, node):
+def draw_weights(layout, context, material, node):
     """What is amiss with the weights of a baked model: links that they cannot follow, values that they are not for."""
     links = driven(node)
     if links:
         draw_text(layout.box(), context, "This model is baked for one value of each parameter and cannot follow what "
                                          f"is plugged into {', '.join(links)}: it renders striped", "ERROR")
+    elif rebake.is_running(material):
+        draw_text(layout, context, "Baking the weights for these values", "TIME")
     elif is_stale(node):
         box = layout.box()
         draw_text(box, context, "The weights are for other values", "TIME")
@@ -145,8 +145,7 @@ class _Lobe(_Face):
 
     def draw(self, context):
         layout, material, node, model = self.begin(context)
-        shown = [p for p in model.parameters if p.evaluated and p.id not in _COLOUR_IDS | _RETRO_IDS
-                 and _at_this_angle(p, material, model)]
+        shown = [p for p in model.parameters if p.section == LOBE and _at_this_angle(p, material, model)]
         by_id = {p.id: p for p in shown}
         hidden = _unused_width(material, node, by_id)
         for parameter in shown:
@@ -175,18 +174,22 @@ def _at_this_angle(parameter, material, model):
     return socket_of(node, model.parameter("vary_exponents")).is_linked or material.plausible_brdf.vary_exponents
 
 
+def _has(context, section):
+    """Whether the model shown has parameters of a section."""
+    return any(p.section == section for p in plausible_node(material_of(context))[1].parameters)
+
+
 class _Retro(_Face):
     bl_label = "Retroreflection"
 
     @classmethod
     def poll(cls, context):
-        return super().poll(context) and any(p.id in _RETRO_IDS
-                                             for p in plausible_node(material_of(context))[1].parameters)
+        return super().poll(context) and _has(context, RETROREFLECTION)
 
     def draw(self, context):
         layout, material, node, model = self.begin(context)
         for parameter in model.parameters:
-            if parameter.id in _RETRO_IDS and _at_this_angle(parameter, material, model):
+            if parameter.section == RETROREFLECTION and _at_this_angle(parameter, material, model):
                 draw_parameter(layout, material, node, parameter)
 
 
@@ -202,12 +205,11 @@ class _Color(_Face):
 
     @classmethod
     def poll(cls, context):
-        return super().poll(context) and any(
-            p.id in _COLOUR_IDS for p in plausible_node(material_of(context))[1].parameters)
+        return super().poll(context) and _has(context, COLOR)
 
     def draw(self, context):
         layout, material, node, model = self.begin(context)
-        by_id = {p.id: p for p in model.parameters if p.id in _COLOUR_IDS}
+        by_id = {p.id: p for p in model.parameters if p.section == COLOR}
         if "fresnel_type" in by_id:
             draw_parameter(layout, material, node, by_id["fresnel_type"])
         for name, parameter in by_id.items():

@@ -1,4 +1,4 @@
-"""Properties of a material that show its Script node's sockets with names, ranges and help from the registry.
+"""Properties of a material that show its node's sockets with names, ranges and help from the registry.
 
 A value lives in its socket only: these properties read and write there, so nothing is stored twice and links, drivers,
 keyframes and undo are the socket's own.
@@ -8,17 +8,17 @@ import math
 import bpy
 
 from ..brdf import MODELS
-from . import materials
+from . import materials, nodes
 
 _EXPONENT_SOFT_MAX = 1000.0  # dragging is linear: to 100000 it would jump over everything that is not a mirror
 _SUBTYPES = {"": "NONE", "rad": "ANGLE", "m": "DISTANCE"}
 
 
 def _owner(group, parameter):
-    """The Script node of the group's material, if it has the parameter; else None."""
-    node = materials.script_node(group.id_data)
-    model = materials.model_of(node) if node else None
-    known = model is not None and parameter in model.parameters and materials.socket_of(node, parameter) is not None
+    """The node of the group's material, if it has the parameter; else None."""
+    node = nodes.find_node(group.id_data)
+    model = nodes.model_of(node) if node else None
+    known = model is not None and parameter in model.parameters and nodes.socket_of(node, parameter) is not None
     return node if known else None
 
 
@@ -37,7 +37,7 @@ def _held(parameter, value):
 def _accessors(parameter):
     def read(self):
         node = _owner(self, parameter)
-        return parameter.default if node is None else materials.get_value(node, parameter)
+        return parameter.default if node is None else nodes.get_value(node, parameter)
 
     def write(self, value):
         node = _owner(self, parameter)
@@ -99,8 +99,8 @@ MODEL_ITEMS = [(model.id, model.label, model.description, i) for i, model in enu
 
 
 def _read_model(self):
-    node = materials.script_node(self.id_data)
-    model = materials.model_of(node) if node else None
+    node = nodes.find_node(self.id_data)
+    model = nodes.model_of(node) if node else None
     return list(MODELS).index(model.id) if model else 0
 
 
@@ -109,7 +109,7 @@ def _write_model(self, number):
 
 
 PlausibleMaterial = type("PlausibleMaterial", (bpy.types.PropertyGroup,), {
-    "__doc__": "Parameters of a Plausible BRDF material, each held in its Script node's socket",
+    "__doc__": "Parameters of a Plausible BRDF material, each held in its node's socket",
     "__annotations__": {
         "model": bpy.props.EnumProperty(
             name="Model", description="Reflectance model. Parameters that both models have are kept",

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from ..brdf import tables
-from . import luts, osl
+from . import luts, nodes, osl, upgrade
 
 OLDEST = (4, 2, 0)
 
@@ -20,18 +20,19 @@ class Notice:
     icon: str = "ERROR"
 
 
-def notices(context, model=None) -> list:
-    """The notices for a material with `model` in the context's scene, the gravest first.
+def notices(context, node=None, material=None) -> list:
+    """The notices for a material in the context's scene with a `node` of ours, the gravest first.
 
-    Without a model there is no such material yet, and only what stands in the way of making one counts.
+    Without a node there is no such material yet, and only what stands in the way of making one counts.
     """
     missing = _build_lacks_something()
     if missing:
         return [missing]
     scene = context.scene
-    found = [_tables(model)]
+    model = None if node is None else nodes.model_of(node)
+    found = [_tables(model), _older(material)]
     if model is not None:
-        found = [_engine(scene), _osl_off(scene), _wrong_device(scene), *found]
+        found = [_engine(scene), _osl_off(scene), _wrong_device(scene), _newer(node), *found]
     return [notice for notice in found if notice is not None]
 
 
@@ -70,6 +71,22 @@ def _wrong_device(scene):
             else "OSL on GPU needs OptiX, and these materials more room than Cycles has there")
     return Notice(f"{text}: render on the CPU", "wm.context_set_enum", "Render on CPU",
                   {"data_path": "scene.cycles.device", "value": "CPU"})
+
+
+def _newer(node):
+    if not upgrade.is_newer(node):
+        return None
+    return Notice(f"Made by version {upgrade.version_of(node)} of the extension: this one is older and may not know "
+                  "all of it", icon="INFO")
+
+
+def _older(material):
+    """Of the material shown, as one that was appended, else what became of those that the file brought."""
+    tree = material and material.node_tree
+    if tree and material.is_editable and any(upgrade.is_outdated(node) for node in tree.nodes):
+        return Notice("Made by an earlier version of the extension", "plausible.upgrade", "Upgrade Materials",
+                      icon="INFO")
+    return Notice(upgrade.told, icon="INFO") if upgrade.told else None
 
 
 def _tables(model):

@@ -8,6 +8,8 @@ import numpy as np
 from . import images
 
 MIN_EXPONENT, MAX_EXPONENT = 1.0, 100000.0
+# Where parameters are shown, in nodes, panels and pages.
+LOBE, RETROREFLECTION, COLOR, GEOMETRY, SAMPLING = "Lobe", "Retroreflection", "Color", "Geometry", "Sampling"
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,17 @@ class Parameter:
     items: tuple = ()
     evaluated: bool = True
     logarithmic: bool = False
+
+    @property
+    def section(self) -> str:
+        """Where it is shown: one of LOBE, RETROREFLECTION, COLOR, GEOMETRY, SAMPLING, by what it is."""
+        if self.kind == "vector":
+            return GEOMETRY
+        if not self.evaluated:
+            return SAMPLING
+        if self.kind in ("color", "enum"):
+            return COLOR
+        return RETROREFLECTION if self.id.startswith("retro") else LOBE
 
     def check(self, value):
         """Return `value` in the parameter's type. Raises ValueError that names the value and what is allowed."""

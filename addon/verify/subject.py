@@ -96,13 +96,13 @@ def of_file(path, name: str) -> Subject:
 
 def _formula(material):
     """Model and parameters of a material of ours whose surface is our node and nothing else; else None and {}."""
-    from ..blender import materials
+    from ..blender import nodes
 
-    node = materials.script_node(material)
+    node = nodes.find_node(material)
     output = material.node_tree and material.node_tree.get_output_node("CYCLES")
     if node is None or output is None or any(socket.is_linked for socket in node.inputs):
         return None, {}
     links = output.inputs["Surface"].links
     if not links or links[0].from_node != node:
         return None, {}
-    return materials.model_of(node), materials.values(node)
+    return nodes.model_of(node), nodes.values(node)

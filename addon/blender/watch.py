@@ -1,0 +1,35 @@
+"""Follows edits that the panel does not make: in the node editor, by a script, by undo."""
+import bpy
+
+from . import materials, nodes, rebake
+
+_changed = set()  # names of materials to look at
+
+
+@bpy.app.handlers.persistent
+def on_update(scene, depsgraph):
+    """Note materials whose nodes have changed; they are looked at when Blender is idle, as this must not edit them."""
+    if bpy.app.background or not depsgraph.id_type_updated("MATERIAL"):  # timers do not run in the background
+        return
+    _changed.update(update.id.name_full for update in depsgraph.updates if isinstance(update.id, bpy.types.Material))
+    if _changed and not bpy.app.timers.is_registered(_look):
+        bpy.app.timers.register(_look, first_interval=0.1)
+
+
+def _look():
+    names = set(_changed)
+    _changed.clear()
+    for material in bpy.data.materials:
+        node = nodes.find_node(material) if material.name_full in names else None
+        if node is None or not material.is_editable:
+            continue
+        materials.update_viewport(material)
+        if nodes.is_stale(node) and not nodes.driven(node):
+            rebake.soon(material)
+
+
+def stop():
+    """Forget what has changed."""
+    _changed.clear()
+    if bpy.app.timers.is_registered(_look):
+        bpy.app.timers.unregister(_look)

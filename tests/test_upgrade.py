@@ -1,0 +1,166 @@
+"""Files of earlier versions: their materials become this version's, and nothing that a user made is lost.
+
+tests/data/version_0_1.blend was saved in Blender 4.2 with version 0.1.0: its shaders' bytecode is replaced by a line of
+text. "Animated" is a pumped Phong with a keyframed light spread, a driver on its pumps and a node plugged into its
+roughness, "Baked" a Ward, "Wrapped" a disk lump, and "Mine" a user's node group with a Blinn inside.
+"""
+from pathlib import Path
+
+import pytest
+from test_panel import Recorder, bpy, context_for, drawn, operators, registered, texts  # noqa: F401
+
+from addon.brdf import MODELS
+from addon.version import VERSION, parts
+
+pytestmark = pytest.mark.blender
+
+OLD = Path(__file__).parent / "data" / "version_0_1.blend"
+
+
+@pytest.fixture
+def loaded(bpy):  # noqa: F811
+    bpy.ops.wm.open_mainfile(filepath=str(OLD))
+    yield bpy
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+
+
+def node_in(bpy, name):  # noqa: F811
+    from addon.blender import nodes
+
+    return nodes.find_node(bpy.data.materials[name])
+
+
+def test_versions_compare_by_number():
+    assert parts("0.10.0") > parts("0.9.3") > parts("0.2.0") and parts("unknown") == ()
+    assert parts(VERSION) >= (0, 2, 0)
+
+
+def test_values_and_links_stay(loaded):
+    from addon.blender import groups, nodes
+
+    node = node_in(loaded, "Animated")
+    assert node.bl_idname == "ShaderNodeGroup" and nodes.model_of(node).id == "pumped_phong"
+    values = nodes.values(node)
+    assert values["exponent"] == 50.0 and values["base_color"] == (0.5, 0.25, 0.125)
+    sockets = groups.sockets(node)
+    assert sockets["samples"].default_value == 7
+    assert sockets["roughness"].links[0].from_node.name == "Driver of roughness"
+    assert nodes.values(node_in(loaded, "Wrapped"))["exponent"] == 12.0
+    inside = next(n for n in loaded.data.node_groups["Mine"].nodes if nodes.model_of(n))
+    assert nodes.model_of(inside).id == "blinn" and nodes.values(inside)["exponent"] == 33.0
+    (link,) = inside.outputs["BSDF"].links
+    assert link.to_node.bl_idname == "NodeGroupOutput"
+
+
+def test_keyframes_and_drivers_follow(loaded):
+    from addon.blender import groups
+
+    material = loaded.data.materials["Animated"]
+    thing = loaded.data.objects.new("thing", loaded.data.meshes.new("thing"))
+    thing.data.materials.append(material)
+    loaded.context.scene.collection.objects.link(thing)
+    sockets = groups.sockets(node_in(loaded, "Animated"))
+    for frame, spread, pumps in ((1, 0.5, 0.1), (11, 1.5, 1.1), (30, 1.5, 3.0)):
+        loaded.context.scene.frame_set(frame)
+        assert sockets["light_spread"].default_value == pytest.approx(spread)
+        assert sockets["pumps"].default_value == pytest.approx(pumps)
+
+
+def test_another_model_keeps_keyframes(bpy):  # noqa: F811
+    """Of what both have; those of what the other lacks wait under its name, and move nothing meanwhile."""
+    from addon import create_material
+    from addon.blender import groups, materials, nodes
+
+    material = create_material("pumped_phong", exponent=7.0)
+    thing = bpy.data.objects.new("thing", bpy.data.meshes.new("thing"))
+    thing.data.materials.append(material)
+    bpy.context.scene.collection.objects.link(thing)
+    before = groups.sockets(nodes.find_node(material))
+    for name, value in (("samples", 2), ("samples", 8), ("pumps", 3.0)):
+        before[name].default_value = value
+        before[name].keyframe_insert("default_value", frame=value)
+    for model_id in ("phong", "pumped_phong"):
+        materials.change_model(material, model_id)
+        after = groups.sockets(nodes.find_node(material))
+        for frame in (2, 8):
+            bpy.context.scene.frame_set(frame)
+            assert after["samples"].default_value == frame and after["exponent"].default_value == 7.0
+    after["pumps"].default_value = 0.5
+    bpy.context.scene.frame_set(3)
+    assert after["pumps"].default_value == 3.0
+
+
+def test_the_shader_is_this_versions(loaded):
+    from addon.blender import groups, osl, upgrade
+
+    for name, model in (("Animated", "pumped_phong"), ("Wrapped", "disk_scaling")):
+        node = node_in(loaded, name)
+        assert groups.script_of(node).bytecode == osl.compile_model(MODELS[model])
+        assert upgrade.version_of(node) == VERSION
+    # Baking takes seconds, and a file is not to open slowly: its own weights serve until they are baked anew.
+    assert groups.script_of(node_in(loaded, "Baked")).bytecode == "bytecode of an older version of ward"
+    assert not upgrade.outdated()
+
+
+def test_the_stand_in_takes_over(loaded):
+    tree = loaded.data.materials["Animated"].node_tree
+    links = tree.get_output_node("EEVEE").inputs["Surface"].links
+    assert links[0].from_node == node_in(loaded, "Animated") and links[0].from_socket.name == "Stand-in"
+    assert not [n for n in tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled"]
+
+
+def test_it_is_told(loaded, capsys):
+    material = loaded.data.materials["Wrapped"]
+    words = texts(drawn(context_for(loaded, material)))
+    assert f"Upgraded to {VERSION}: Animated, Baked, Mine, Wrapped" in words and "until you save" in words
+    loaded.ops.wm.read_factory_settings(use_empty=True)
+    from addon.blender import upgrade
+
+    assert upgrade.told == ""
+
+
+def test_what_is_appended_later_has_a_button(bpy):  # noqa: F811
+    from addon.blender import nodes
+
+    with bpy.data.libraries.load(str(OLD)) as (_, wanted):
+        wanted.materials = ["Wrapped"]
+    (material,) = wanted.materials
+    log = drawn(context_for(bpy, material))
+    assert "earlier version" in texts(log) and "plausible.upgrade" in operators(log)
+    assert bpy.ops.plausible.upgrade() == {"FINISHED"}
+    assert nodes.values(nodes.find_node(material))["exponent"] == 12.0
+    assert "plausible.upgrade" not in operators(drawn(context_for(bpy, material)))
+
+
+def test_what_is_linked_is_left_alone(bpy):  # noqa: F811
+    from addon.blender import upgrade
+
+    with bpy.data.libraries.load(str(OLD), link=True) as (_, wanted):
+        wanted.materials = ["Wrapped"]
+    assert upgrade.upgrade_all() == ""
+    assert any(n.bl_idname == "ShaderNodeScript" for n in wanted.materials[0].node_tree.nodes)
+
+
+def test_one_that_cannot_be_upgraded_stays(bpy, monkeypatch):  # noqa: F811
+    from addon.blender import groups, upgrade
+
+    def broken(tree, model, *_):
+        raise OSError("the table is gone")
+
+    monkeypatch.setattr(groups, "add_node", broken)
+    bpy.ops.wm.open_mainfile(filepath=str(OLD))
+    assert "Not upgraded: " in upgrade.told and "Wrapped: the table is gone" in upgrade.told
+    old = next(n for n in bpy.data.materials["Wrapped"].node_tree.nodes if n.bl_idname == "ShaderNodeScript")
+    assert old.bytecode == "bytecode of an older version of disk_scaling"
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+
+
+def test_a_newer_version_is_told(bpy):  # noqa: F811
+    from addon import create_material
+    from addon.blender import groups, nodes, status, upgrade
+
+    material = create_material("disk_scaling")
+    node = nodes.find_node(material)
+    node.node_tree[groups.VERSION_KEY] = "99.0.0"
+    assert not upgrade.is_outdated(node) and upgrade.upgrade_all() == ""
+    assert "Made by version 99.0.0" in " ".join(n.text for n in status.notices(context_for(bpy, material), node))
