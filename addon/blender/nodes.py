@@ -6,6 +6,7 @@ import bpy
 from ..baking import weights_error
 from . import groups, osl, stand_in
 from .groups import model_of
+from .replace import curves
 
 BAKED_KEY = "plausible_baked"  # of a group: the values that the weights of a baked model were made for
 ERROR_KEY = "plausible_baked_error"  # of these weights: largest errors of the lobe and of the albedo up to 80 degrees
@@ -83,6 +84,17 @@ def driven(node) -> list:
     model, held = model_of(node), groups.sockets(node)
     return [p.label for p in model.parameters
             if model.baked and p.evaluated and p.id in held and held[p.id].is_linked]
+
+
+def animated(node) -> list:
+    """Labels of parameters that keyframes or drivers change although the node's weights are for one value of each."""
+    model = model_of(node)
+    if not model.baked:
+        return []
+    held = groups.sockets(node)
+    paths = {curve.data_path for curve in curves(node.id_data)}
+    return [p.label for p in model.parameters if p.evaluated and p.id in held
+            and f"{held[p.id].path_from_id()}.default_value" in paths]
 
 
 def bake_weights(node, error: tuple | None = None):

@@ -16,7 +16,7 @@ _METAL_ITEMS = [(name, metal.label, metal.reference, i) for i, (name, metal) in 
 _TICK = 0.1  # seconds between two looks at a bake
 
 
-def _reporting(execute):
+def reporting(execute):
     """An operator's `execute` that reports what a user or a file can get wrong, and is then cancelled."""
     @functools.wraps(execute)
     def reported(self, context):
@@ -71,7 +71,7 @@ class PLAUSIBLE_OT_new_material(bpy.types.Operator):
             return False
         return _osl_works(cls)
 
-    @_reporting
+    @reporting
     def execute(self, context):
         material = materials.create_material(self.model)
         _put_on(context.object, material)
@@ -104,7 +104,7 @@ class PLAUSIBLE_OT_use_osl(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class _OnMaterial:
+class OnMaterial:
     """An operator that changes the material shown, and can be undone."""
 
     bl_options = {"REGISTER", "UNDO"}
@@ -115,7 +115,7 @@ class _OnMaterial:
         return material is not None and material.is_editable and plausible_node(material)[1] is not None
 
 
-class PLAUSIBLE_OT_set_metal(_OnMaterial, bpy.types.Operator):
+class PLAUSIBLE_OT_set_metal(OnMaterial, bpy.types.Operator):
     """Set colour, edge colour, n and k to those of a metal; the choice of Fresnel stays"""
 
     bl_idname = "plausible.set_metal"
@@ -127,7 +127,7 @@ class PLAUSIBLE_OT_set_metal(_OnMaterial, bpy.types.Operator):
     def description(cls, context, properties):
         return f"Set colour, n and k to those of {METALS[properties.metal].label.lower()}; the choice of Fresnel stays"
 
-    @_reporting
+    @reporting
     def execute(self, context):
         node, model = plausible_node(material_of(context))
         metal = METALS[self.metal]
@@ -147,7 +147,7 @@ class PLAUSIBLE_MT_metals(bpy.types.Menu):
             self.layout.operator("plausible.set_metal", text=metal.label).metal = name
 
 
-class PLAUSIBLE_OT_apply_preset(_OnMaterial, bpy.types.Operator):
+class PLAUSIBLE_OT_apply_preset(OnMaterial, bpy.types.Operator):
     """Turn the material into a preset: its model and all of its parameters; what is plugged in stays"""
 
     bl_idname = "plausible.apply_preset"
@@ -159,13 +159,13 @@ class PLAUSIBLE_OT_apply_preset(_OnMaterial, bpy.types.Operator):
     def description(cls, context, properties):
         return PRESETS[properties.preset].help
 
-    @_reporting
+    @reporting
     def execute(self, context):
         materials.apply_preset(material_of(context), PRESETS[self.preset])
         return {"FINISHED"}
 
 
-class PLAUSIBLE_OT_convert(_OnMaterial, bpy.types.Operator):
+class PLAUSIBLE_OT_convert(OnMaterial, bpy.types.Operator):
     """Turn the material into another model whose lobe is as wide, which takes some seconds where the model is baked"""
 
     bl_idname = "plausible.convert"
@@ -177,7 +177,7 @@ class PLAUSIBLE_OT_convert(_OnMaterial, bpy.types.Operator):
     def description(cls, context, properties):
         return f"Turn the material into {MODELS[properties.model].label}, its lobe as wide as now"
 
-    @_reporting
+    @reporting
     def execute(self, context):
         material = material_of(context)
         lost = materials.unplugged(material, self.model)
@@ -224,13 +224,13 @@ class PLAUSIBLE_MT_convert(bpy.types.Menu):
                 self.layout.operator("plausible.convert", text=model.label).model = model.id
 
 
-class PLAUSIBLE_OT_bake_weights(_OnMaterial, bpy.types.Operator):
+class PLAUSIBLE_OT_bake_weights(OnMaterial, bpy.types.Operator):
     """Bake the weights that the material renders by for the values that its sockets hold, which takes some seconds"""
 
     bl_idname = "plausible.bake_weights"
     bl_label = "Bake Weights"
 
-    @_reporting
+    @reporting
     def execute(self, context):
         nodes.bake_weights(plausible_node(material_of(context))[0])
         return {"FINISHED"}
@@ -374,7 +374,7 @@ class PLAUSIBLE_OT_update_materials(bpy.types.Operator):
     def poll(cls, context):
         return _osl_works(cls)
 
-    @_reporting
+    @reporting
     def execute(self, context):
         upgrade.upgrade_all()
         ours = [node for tree in nodes.trees() for node in tree.nodes if nodes.model_of(node) is not None]

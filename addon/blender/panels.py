@@ -5,8 +5,8 @@ import bpy
 
 from ..brdf.disk_model import DiskModel
 from ..brdf.parameters import COLOR, LOBE, RETROREFLECTION
-from . import luts, operators, rebake, status
-from .nodes import baked_error, driven, is_stale, socket_of, values
+from . import luts, operators, rebake, status, switches
+from .nodes import animated, baked_error, driven, is_stale, socket_of, values
 from .operators import material_of, plausible_node
 from .properties import NAMES
 
@@ -30,14 +30,16 @@ def draw_text(layout, context, text, icon="NONE"):
 
 
 def draw_notice(layout, context, notice):
-    """A message in a box, with the button that mends it."""
+    """A message in a box, with the buttons that mend it."""
     box = layout.box()
     draw_text(box, context, notice.text, notice.icon)
-    if notice.operator == "plausible.bake_luts":
-        draw_bake(box)
-    elif notice.operator:
-        button = box.operator(notice.operator, text=notice.label)
-        for name, value in notice.settings.items():
+    row = box.row(align=True)
+    for cure in notice.cures:
+        if cure.operator == "plausible.bake_luts":
+            draw_bake(row)
+            continue
+        button = row.operator(cure.operator, text=cure.label)
+        for name, value in cure.settings.items():
             setattr(button, name, value)
 
 
@@ -122,10 +124,12 @@ class _Main(_Face):
 
 def draw_weights(layout, context, material, node):
     """What is amiss with the weights of a baked model: links that they cannot follow, values that they are not for."""
-    links = driven(node)
-    if links:
+    links, moving = driven(node), animated(node)
+    if links or moving:
+        changed = [f"{what} {', '.join(names)}" for what, names in
+                   (("is plugged into", links), ("animates", moving)) if names]
         draw_text(layout.box(), context, "This model is baked for one value of each parameter and cannot follow what "
-                                         f"is plugged into {', '.join(links)}: it renders striped", "ERROR")
+                                         f"{' and what '.join(changed)}: it renders striped", "ERROR")
     elif rebake.is_running(material):
         draw_text(layout, context, "Baking the weights for these values", "TIME")
     elif is_stale(node):
@@ -153,7 +157,13 @@ class _Lobe(_Face):
                 draw_parameter(layout, material, node, parameter)
             # The switch stands under what it switches.
             if parameter.id == "roughness" and "use_roughness" in by_id:
-                draw_parameter(layout, material, node, by_id["use_roughness"])
+                row = layout.row(align=True)
+                draw_parameter(row, material, node, by_id["use_roughness"])
+                row.operator("plausible.switch_width", text="", icon="ARROW_LEFTRIGHT")
+        if "pumps" in by_id:
+            before = switches.shows_before(node)
+            layout.operator("plausible.compare_pumping", text="Show after Pumping" if before else "Show before Pumping",
+                            icon="HIDE_OFF" if before else "HIDE_ON", depress=before)
         draw_hint(layout, context, node, model)
 
 

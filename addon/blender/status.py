@@ -4,20 +4,28 @@ from dataclasses import dataclass, field
 import bpy
 
 from ..brdf import tables
-from . import luts, nodes, osl, upgrade
+from . import luts, nodes, osl, switches, upgrade
 
 OLDEST = (4, 2, 0)
 
 
 @dataclass(frozen=True)
-class Notice:
-    """A message for the panel. `operator` mends it: an operator's name, with the `settings` of its button `label`."""
+class Cure:
+    """A button: an operator's name, what stands on it, and the operator's settings."""
 
-    text: str
-    operator: str = ""
+    operator: str
     label: str = ""
     settings: dict = field(default_factory=dict)
-    icon: str = "ERROR"
+
+
+class Notice:
+    """A message for the panel, with the `cures` that mend what it tells, any of them, and an icon."""
+
+    def __init__(self, text: str, *cures: Cure, icon: str = "ERROR"):
+        self.text, self.cures, self.icon = text, cures, icon
+
+
+_GET_BLENDER = Cure("wm.url_open", "Get Blender", {"url": "https://www.blender.org/download/"})
 
 
 def notices(context, node=None, material=None) -> list:
@@ -32,30 +40,34 @@ def notices(context, node=None, material=None) -> list:
     model = None if node is None else nodes.model_of(node)
     found = [_tables(model), _older(material)]
     if model is not None:
-        found = [_engine(scene), _osl_off(scene), _wrong_device(scene), _newer(node), *found]
+        stands = [_native(node)] if switches.is_native(node) else [_osl_off(scene), _wrong_device(scene)]
+        found = [_engine(scene), *stands, _newer(node), *found]
     return [notice for notice in found if notice is not None]
+
+
+_NATIVE = Cure("plausible.switch_native", "Native Approximation")
 
 
 def _build_lacks_something():
     if bpy.app.version < OLDEST:
-        return Notice(f"Blender {bpy.app.version_string} is too old: this needs 4.2 or later",
-                      "wm.url_open", "Get Blender", {"url": "https://www.blender.org/download/"})
+        return Notice(f"Blender {bpy.app.version_string} is too old: this needs 4.2 or later", _GET_BLENDER)
     reason = osl.unavailable()
-    return reason and Notice(reason, "wm.url_open", "Get Blender", {"url": "https://www.blender.org/download/"})
+    return reason and Notice(reason, _GET_BLENDER)
 
 
 def _engine(scene):
     if scene.render.engine == "CYCLES":
         return None
-    return Notice("Only Cycles renders the model; other engines show a stand-in", "wm.context_set_enum",
-                  "Render with Cycles", {"data_path": "scene.render.engine", "value": "CYCLES"}, icon="INFO")
+    return Notice("Only Cycles renders the model; other engines show a stand-in", Cure(
+        "wm.context_set_enum", "Render with Cycles", {"data_path": "scene.render.engine", "value": "CYCLES"}),
+        icon="INFO")
 
 
 def _osl_off(scene):
     if scene.render.engine != "CYCLES" or scene.cycles.shading_system:
         return None
     return Notice("Open Shading Language is off in this scene: Plausible materials render black",
-                  "plausible.use_osl", "Switch on OSL")
+                  Cure("plausible.use_osl", "Switch on OSL"), _NATIVE)
 
 
 def osl_is_on(scene) -> bool:
@@ -69,8 +81,14 @@ def _wrong_device(scene):
     # Cycles keeps 1 KB a hit for OSL's closures there, and does not look whether they fit.
     text = ("On the GPU these materials ask for more room than Cycles has" if osl.supports_osl(scene)
             else "OSL on GPU needs OptiX, and these materials more room than Cycles has there")
-    return Notice(f"{text}: render on the CPU", "wm.context_set_enum", "Render on CPU",
-                  {"data_path": "scene.cycles.device", "value": "CPU"})
+    return Notice(f"{text}: render on the CPU, or what Cycles ships in place of the model", Cure(
+        "wm.context_set_enum", "Render on CPU", {"data_path": "scene.cycles.device", "value": "CPU"}), _NATIVE)
+
+
+def _native(node):
+    """That a material shows the stand-in."""
+    return Notice("Cycles renders the native approximation in place of the model",
+                  Cure("plausible.switch_native", "Render the Model"), icon="INFO")
 
 
 def _newer(node):
@@ -84,11 +102,11 @@ def _older(material):
     """Of the material shown, as one that was appended, else what became of those that the file brought."""
     tree = material and material.node_tree
     if tree and material.is_editable and any(upgrade.is_outdated(node) for node in tree.nodes):
-        return Notice("Made by an earlier version of the extension", "plausible.upgrade", "Upgrade Materials",
+        return Notice("Made by an earlier version of the extension", Cure("plausible.upgrade", "Upgrade Materials"),
                       icon="INFO")
     return Notice(upgrade.told, icon="INFO") if upgrade.told else None
 
 
 def _tables(model):
     text = luts.problem(tables.TABLES if model is None else model.tables)
-    return text and Notice(text, "plausible.bake_luts", "Bake LUTs")
+    return text and Notice(text, Cure("plausible.bake_luts", "Bake LUTs"))
