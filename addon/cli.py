@@ -19,6 +19,7 @@ COMMANDS = {
     "fit": ("addon.commands.fit", "parameters with which a model comes nearest to another or to data"),
     "figures": ("addon.commands.figures", "plots of albedos and lobes"),
     "demo": ("addon.commands.demo", "build and render the demo scene"),
+    "assets": ("addon.commands.assets", "make the asset library that ships with the extension"),
     "bench": ("addon.commands.bench", "efficiency against Cycles' own closures"),
 }
 
@@ -63,4 +64,6 @@ def main(argv=None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from addon import cli  # not this module, which is called __main__ and whose errors no command raises
+
+    sys.exit(cli.main())

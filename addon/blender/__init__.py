@@ -8,13 +8,26 @@ def register():
     """Register everything. What fails is raised, after all that was registered before it is taken back."""
     import bpy
 
-    from . import add_menu, luts, operators, panels, preferences, properties, rebake, switches, upgrade, watch
+    from . import (
+        add_menu,
+        asset_library,
+        furnace_test,
+        luts,
+        operators,
+        panels,
+        preferences,
+        properties,
+        rebake,
+        switches,
+        upgrade,
+        watch,
+    )
 
     global _registered
     if _registered is not None:
         raise RuntimeError("Plausible BRDF is registered already")
     with contextlib.ExitStack() as undo:
-        for module in (properties, operators, switches, add_menu, panels, preferences):
+        for module in (properties, operators, switches, furnace_test, add_menu, panels, preferences):
             for cls in module.CLASSES:
                 bpy.utils.register_class(cls)
                 undo.callback(bpy.utils.unregister_class, cls)
@@ -29,6 +42,9 @@ def register():
             handlers.append(handler)
             undo.callback(handlers.remove, handler)
         undo.callback(watch.stop)
+        undo.callback(furnace_test.stop)
+        asset_library.register()
+        undo.callback(asset_library.unregister)
         luts.choose_folder()
         _registered = undo.pop_all()
 

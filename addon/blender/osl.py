@@ -63,13 +63,18 @@ def _compile(model, text):
         osl.write_text(text, encoding="utf-8")
         if not _cycles.osl_compile(str(osl), str(oso)) or not oso.exists():
             raise OslError(f"the shader of {model.label} did not compile; the console tells why")
-        return _without_places(oso.read_text(encoding="utf-8"))
+        return _by_itself(oso.read_text(encoding="utf-8"))
 
 
-def _without_places(bytecode):
-    """Bytecode without comments and file names: they tell where it was compiled, and go into everyone's .blend."""
+def _by_itself(bytecode):
+    """Bytecode that is the same wherever it is compiled, as it goes into everyone's .blend.
+
+    Comments and file names tell where that was, and compilers of different versions number variables differently.
+    """
     lines = [line for line in bytecode.splitlines() if not line.startswith("#")]
-    return re.sub(r'\s%(?:filename|line)\{[^}]*\}', "", "\n".join(lines)) + "\n"
+    text = re.sub(r'\s%(?:filename|line)\{[^}]*\}', "", "\n".join(lines)) + "\n"
+    numbers = {}
+    return re.sub(r"___\d+_", lambda found: numbers.setdefault(found[0], f"___{len(numbers)}_"), text)
 
 
 def add_script_node(tree, model, bytecode: str, lut: str = source.COMPILED):

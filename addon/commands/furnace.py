@@ -27,7 +27,7 @@ def run(arguments):
     thing = find_subject(arguments)
     angles = np.array(arguments.angles)
     measured, noise = verify.furnace(thing.material, angles, arguments.samples, arguments.resolution, arguments.seed,
-                                     progress("furnace"))
+                                     progress("furnace", arguments.progress))
     comparison = curve = None
     if thing.model is not None:
         reference = thing.albedo(np.cos(np.radians(angles)))
@@ -79,6 +79,8 @@ def add_measuring(parser, samples):
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the noise (default: %(default)s)")
     parser.add_argument("--output", metavar="FILE.png", help="write a plot")
     parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--progress", action="store_true",
+                        help="tell on standard error how far it is, in lines, also where that is no terminal")
 
 
 def find_subject(arguments) -> subject.Subject:
@@ -102,10 +104,13 @@ def find_subject(arguments) -> subject.Subject:
         raise CommandError(str(error)) from error
 
 
-def progress(name):
-    """A function (done, total) that keeps one line on a terminal up to date and says nothing elsewhere."""
+def progress(name, always=False):
+    """A function (done, total) that keeps one line on a terminal up to date; elsewhere it says nothing, or, where
+    `always` is set, a line each time."""
     def show(done, total):
-        if sys.stderr.isatty():
+        if always:
+            print(f"{name}: render {done} of {total}", file=sys.stderr, flush=True)
+        elif sys.stderr.isatty():
             print(f"\r{name}: render {done} of {total}", end="\n" if done == total else "", file=sys.stderr, flush=True)
 
     return show

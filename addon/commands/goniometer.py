@@ -74,7 +74,7 @@ def _sweep(arguments, thing, view, plane, label):
     angles = _spread(thing, view, plane) if arguments.angles is None else np.array(arguments.angles)
     lights = _lights(view, plane, angles)
     f, noise = verify.goniometer(thing.material, view, lights, arguments.samples, arguments.resolution,
-                                 arguments.seed, furnace.progress(label))
+                                 arguments.seed, furnace.progress(label, arguments.progress))
     measured, noise = f * lights[:, 2:], noise * lights[:, 2:]
     sweep = {"view_deg": view, "plane": plane, "angles_deg": angles, "lights": lights, "measured": measured,
              "noise": noise, "curve": None, "comparison": None}

@@ -1,0 +1,85 @@
+"""Makes the asset library: a .blend with the presets as materials and the models as nodes, and its catalogues.
+
+Blender reads files of its own and older versions, so the file that ships is to be made in the oldest one supported.
+"""
+import uuid
+from pathlib import Path
+
+from ..brdf import MODELS
+from ..brdf.presets import PRESETS
+
+FOLDER = Path(__file__).resolve().parents[1] / "assets"
+NAME, CATALOGUES, PREVIEWS = "plausible.blend", "blender_assets.cats.txt", FOLDER / "previews"
+_NODES = "Plausible/Nodes"
+_SPACE = uuid.UUID("6d3f7c0e-52a1-4f0b-9f0c-6b1de52a4f10")  # any one: catalogues keep their ids from build to build
+
+
+def build(folder: Path = FOLDER, progress=lambda done, total: None) -> Path:
+    """Write the library into `folder` and return its path; what is open in Blender is lost.
+
+    `progress(done, total)` counts materials and nodes. Raises OSError where the folder cannot be written.
+    """
+    import bpy
+
+    from ..blender import materials, nodes
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    shown = [model for model in MODELS.values() if not model.baked]  # the others are baked for each use
+    total, made = len(PRESETS) + len(shown), set()
+    for key, preset in PRESETS.items():
+        material = materials.create_material(preset.model, preset.label, **preset.parameters)
+        _mark(material, key, preset.help, _catalogue(preset), (preset.group, MODELS[preset.model].label))
+        made.add(material)
+        progress(len(made), total)
+    for model in shown:
+        tree = nodes.find_node(materials.create_material(model.id)).node_tree
+        _mark(tree, model.id, model.description, _NODES, ("BRDF",))
+        made.add(tree)
+        progress(len(made), total)
+    folder.mkdir(parents=True, exist_ok=True)
+    _write_catalogues(folder / CATALOGUES)
+    path = folder / NAME
+    part = path.with_suffix(".part.blend")
+    bpy.data.libraries.write(str(part), made, compress=True)
+    part.replace(path)
+    return path
+
+
+def missing_previews() -> list:
+    """Presets and models that have no thumbnail, by id."""
+    keys = [*PRESETS, *(model.id for model in MODELS.values() if not model.baked)]
+    return [key for key in keys if not (PREVIEWS / f"{key}.png").is_file()]
+
+
+def _catalogue(preset):
+    return f"Plausible/{preset.group}"
+
+
+def identifier(catalogue: str) -> str:
+    """The UUID of a catalogue."""
+    return str(uuid.uuid5(_SPACE, catalogue))
+
+
+def _mark(block, key, description, catalogue, tags):
+    import bpy
+
+    block.asset_mark()
+    data = block.asset_data
+    data.description, data.catalog_id = description, identifier(catalogue)
+    data.author, data.license = "Plausible BRDF contributors", "GPL-3.0-or-later"
+    for tag in tags:
+        data.tags.new(tag, skip_if_exists=True)
+    image = bpy.data.images.load(str(PREVIEWS / f"{key}.png"))
+    preview = block.preview_ensure()
+    preview.image_size = image.size
+    preview.image_pixels_float.foreach_set(list(image.pixels))
+    bpy.data.images.remove(image)
+
+
+def _write_catalogues(path):
+    names = sorted({"Plausible", _NODES, *map(_catalogue, PRESETS.values())})
+    lines = ["# Catalogues of the Plausible BRDF asset library.", "VERSION 1", ""]
+    lines += [f"{identifier(name)}:{name}:{name.replace('/', '-')}" for name in names]
+    part = path.with_suffix(".part")
+    part.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    part.replace(path)
