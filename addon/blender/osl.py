@@ -9,7 +9,8 @@ import bpy
 from ..baking import weights
 from ..shading import source
 
-SOCKETS = {"float": "NodeSocketFloat", "int": "NodeSocketInt", "enum": "NodeSocketInt", "bool": "NodeSocketBool",
+# A switch is an int to OSL, and Blender 5.0 ends on a truth value that goes from a group into a Script node.
+SOCKETS = {"float": "NodeSocketFloat", "int": "NodeSocketInt", "enum": "NodeSocketInt", "bool": "NodeSocketInt",
            "color": "NodeSocketColor", "vector": "NodeSocketVector", "image": "NodeSocketString"}
 _compiled = {}
 
