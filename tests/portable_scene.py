@@ -32,9 +32,28 @@ def build(*, lut="compiled"):
     bpy.ops.object.camera_add(location=(0.0, -11.0, 1.0), rotation=(1.48, 0.0, 0.0))
     scene.camera = bpy.context.object
     scene.world = bpy.data.worlds.new("Sky")
-    scene.world.color = (0.4, 0.5, 0.6)
+    if scene.world.node_tree is None:
+        scene.world.use_nodes = True
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.4, 0.5, 0.6, 1.0)
+    settle(scene)
+    return scene
+
+
+def settle(scene):
+    """Settings that are the scene's and no object's."""
     scene.render.engine, scene.cycles.shading_system = "CYCLES", True
     scene.render.resolution_x, scene.render.resolution_y = 1920, 640
+
+
+def bring(library, link):
+    """Fill an empty file with all that the file `library` shows, linked or appended; returns the scene."""
+    with bpy.data.libraries.load(str(library), link=link, relative=link) as (there, wanted):
+        wanted.objects, wanted.worlds = there.objects, there.worlds
+    scene = bpy.context.scene
+    for thing in wanted.objects:
+        scene.collection.objects.link(thing)
+    scene.camera, scene.world = next(x for x in wanted.objects if x.type == "CAMERA"), wanted.worlds[0]
+    settle(scene)
     return scene
 
 
@@ -56,11 +75,45 @@ def paint(material):
     tree.links.new(texture.outputs["Color"], next(s for s in node.inputs if s.identifier == "exponent"))
 
 
-def save(path):
+def save(path, compress=False):
     """Save the open file; the folder is made where there is none."""
     Path(path).parent.mkdir(parents=True, exist_ok=True)
-    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
-    return Path(path)
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False, compress=compress)
+
+
+def build_needy(library, folder):
+    """A scene that needs something of every kind, to be saved in `folder`, where it has a script and a picture."""
+    from addon.blender.materials import script_node
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    save(folder / "needy.blend")
+    scene = bring(library, link=True)
+    scene.cycles.device = "GPU"
+    scene.camera = scene.camera.copy()  # its own, or there would be nothing to render alone
+    scene.camera.data = scene.camera.data.copy()
+    scene.collection.objects.link(scene.camera)
+    for name, engine in (("No OSL", "CYCLES"), ("Workbench", "BLENDER_WORKBENCH")):
+        bpy.data.scenes.new(name).render.engine = engine
+    tables = create_material("pumped_phong", "Tables", lut="file", control=False)
+    sockets = {s.identifier: s for s in script_node(tables).inputs}
+    sockets["table_plain"].default_value = str(folder / "gone.exr")
+    outside = create_material("phong", "Outside")
+    script_node(outside).mode, script_node(outside).filepath = "EXTERNAL", "//metal.osl"
+    # A baked model keeps the name of the image that it was baked of.
+    baked = create_material("phong", "Image")
+    script_node(baked).inputs.new("NodeSocketString", "Image", identifier="image").default_value = "//star.png"
+    picture = bpy.data.images.new("Wood", 4, 4)
+    picture.filepath_raw, picture.file_format = str(folder / "wood.png"), "PNG"
+    picture.save()
+    node = tables.node_tree.nodes.new("ShaderNodeTexImage")
+    node.image = bpy.data.images.load("//wood.png")
+    (folder / "metal.osl").write_text("shader metal(output closure color BSDF = 0) { BSDF = diffuse(N); }\n")
+    ball = next(thing for thing in bpy.data.objects if thing.name == PUMPED).copy()
+    ball.data = ball.data.copy()
+    scene.collection.objects.link(ball)
+    ball.data.materials.clear()
+    for material in (tables, outside, baked):
+        ball.data.materials.append(material)
 
 
 if __name__ == "__main__":

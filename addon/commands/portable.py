@@ -104,5 +104,5 @@ def _apart(apart):
     if apart is None:
         return "pictures of unlike size"
     return (f"{apart.pixels} pixels differ, the largest by {apart.largest:.3g}, in the mean by "
-            f"{100.0 * apart.mean:.2g} % (squares of 8 x 8: {100.0 * apart.coarse:.2g} %); light "
-            f"{100.0 * (apart.light - 1.0):+.2g} %")
+            f"{100.0 * apart.mean:.3g} % (squares of 8 x 8: {100.0 * apart.coarse:.3g} %); light "
+            f"{100.0 * (apart.light - 1.0):+.3g} %")

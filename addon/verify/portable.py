@@ -81,7 +81,7 @@ def travel(blend, blender: str, frame: int | None = None, size: int = 96, sample
         if not journey.error:
             with _copied(blend, there, journey.written) as copy:
                 found, journey.alone = _run(program, here, {**picture, "blend": str(copy), "alone": True})
-            journey.error = found.get("error", "")
+            journey.error = f"alone: {found['error']}" if "error" in found else ""
     return journey
 
 
@@ -127,10 +127,12 @@ def _run(blender, folder, job):
         environment = _environment(job["alone"], profile)
         done = subprocess.run(command, capture_output=True, text=True, errors="replace", env=environment,
                               cwd=profile if job["alone"] else None)
-    if not Path(job["result"]).exists():
-        last = (done.stderr.strip() or done.stdout.strip() or f"exit code {done.returncode}").splitlines()[-1]
-        return {"error": f"did not run: {last}"}, None
-    result = json.loads(Path(job["result"]).read_text(encoding="utf-8"))
+    result = {"error": "did not run"}
+    if Path(job["result"]).exists():
+        result = json.loads(Path(job["result"]).read_text(encoding="utf-8"))
+    if done.returncode or result == {"error": "did not run"}:
+        last = (done.stderr.strip() or done.stdout.strip() or "nothing").splitlines()[-1].strip()
+        result["error"] = f"{result['error']} (exit code {done.returncode}); it said last: {last}"
     pixels = Path(job["pixels"])
     return result, np.load(pixels) if pixels.exists() else None
 
@@ -157,7 +159,7 @@ def _environment(alone, profile):
 
 
 def _note(journey, found):
-    journey.error = found.get("error", "")
+    journey.error = f"in its place: {found['error']}" if "error" in found else ""
     journey.version = found.get("version", "")
     journey.scene, journey.frame = found.get("scene", ""), found.get("frame", 0)
     if "scripts" in found:
@@ -171,7 +173,7 @@ def _scripts(scripts):
             yield Finding(users, f"its script is EXTERNAL, {_whereabouts(script)}; choose INTERNAL, which carries its "
                           "bytecode", script["absolute"], script["exists"])
         if script["empty"]:
-            yield Finding(users, "its script is INTERNAL and holds no bytecode: it renders black")
+            yield Finding(users, "its script is INTERNAL and holds no bytecode: Blender crashes or renders black")
         for text in script["texts"]:
             where = f"{text['name']} is {text['path']!r}, {_whereabouts(text)}"
             if text["identifier"].startswith("table_"):

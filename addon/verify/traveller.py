@@ -38,11 +38,18 @@ def main(job):
         scene.frame_set(job["frame"])
     found = {"version": bpy.app.version_string, "scene": scene.name, "frame": scene.frame_current,
              "scenes": scenes(bpy), "scripts": scripts(bpy), "files": files(bpy)}
-    if scene.camera is None:
-        return {**found, "error": f"cannot render: scene {scene.name!r} has no camera"}
+    if scene.camera is None or scene.camera.is_missing:
+        return {**found, "error": f"cannot render: the camera of scene {scene.name!r} is missing"}
     settle(scene, job["size"], job["samples"])
+    tell(job, {**found, "error": "ended while it rendered"})  # what a crash leaves behind
     render(bpy, scene, job["pixels"])
     return found
+
+
+def tell(job, result):
+    """Write the result of a job."""
+    with open(job["result"], "w", encoding="utf-8") as stream:
+        json.dump(result, stream)
 
 
 def has_osl():
@@ -112,10 +119,13 @@ def files(bpy):
             library = None if collection == "libraries" else block.library
             place = _place(path, bpy.path.abspath(path, library=library))
             known.add(place["absolute"])
-            if path and path != "<builtin>" and not packed and not generated and (block.users or kind == "library"):
+            used = any(user.id_type != "BRUSH" for user in block.users_id) if kind == "library" else block.users
+            if path and path != "<builtin>" and not packed and not generated and used:
                 found.append({"owner": f"{kind} {block.name_full!r}", **place})
-    known |= {_place("", bpy.path.abspath(text.filepath, library=text.library))["absolute"] for text in bpy.data.texts}
-    # Whatever else there may be, its kind unknown.
+    # Whatever else there may be, its kind unknown, but no text and no library that something was appended from.
+    known |= {os.path.abspath(bpy.path.abspath(text.filepath, library=text.library)) for text in bpy.data.texts}
+    known |= {os.path.abspath(bpy.path.abspath(block.library_weak_reference.filepath))
+              for block in bpy.data.user_map() if block.library_weak_reference is not None}
     for path in bpy.utils.blend_paths(absolute=True, packed=False, local=False):
         place = _place(path, path)
         if place["absolute"] not in known:
@@ -169,8 +179,7 @@ if __name__ == "__main__":
     except Exception as error:  # told by the process that waits for the result
         traceback.print_exc()
         RESULT = {"error": f"{type(error).__name__}: {error}"}
-    with open(JOB["result"], "w", encoding="utf-8") as stream:
-        json.dump(RESULT, stream)
+    tell(JOB, RESULT)
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(0)  # Blender 4.2 crashes and 4.5 hangs when it leaves with an add-on's classes registered
