@@ -23,8 +23,6 @@ def main(job):
         sys.meta_path.insert(0, _Hidden())
     import bpy
 
-    if not has_osl():
-        return {"version": bpy.app.version_string, "error": "was built without Cycles' Open Shading Language"}
     if job["alone"]:
         bpy.ops.wm.read_factory_settings(use_empty=True)
     try:
@@ -38,6 +36,8 @@ def main(job):
         scene.frame_set(job["frame"])
     found = {"version": bpy.app.version_string, "scene": scene.name, "frame": scene.frame_current,
              "scenes": scenes(bpy), "scripts": scripts(bpy), "files": files(bpy)}
+    if found["scripts"] and not has_osl():
+        return {**found, "error": "this Blender was built without Cycles' Open Shading Language"}
     if scene.camera is None or scene.camera.is_missing:
         return {**found, "error": f"cannot render: the camera of scene {scene.name!r} is missing"}
     settle(scene, job["size"], job["samples"])
