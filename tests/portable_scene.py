@@ -59,10 +59,9 @@ def bring(library, link):
 
 def paint(material):
     """Drive the exponent by a checkerboard of 4 and 200, painted here and packed."""
-    from addon.blender.materials import script_node
+    from addon.blender import groups, nodes
 
-    node = script_node(material)
-    tree = node.id_data
+    tree = material.node_tree
     image = bpy.data.images.new("Exponents", 8, 8, float_buffer=True)
     image.colorspace_settings.name = "Non-Color"
     image.pixels.foreach_set([value for y in range(8) for x in range(8)
@@ -72,7 +71,7 @@ def paint(material):
     texture.image, texture.interpolation = image, "Closest"
     coordinates = tree.nodes.new("ShaderNodeTexCoord")
     tree.links.new(coordinates.outputs["UV"], texture.inputs["Vector"])
-    tree.links.new(texture.outputs["Color"], next(s for s in node.inputs if s.identifier == "exponent"))
+    tree.links.new(texture.outputs["Color"], groups.sockets(nodes.find_node(material))["exponent"])
 
 
 def save(path, compress=False):
@@ -83,7 +82,10 @@ def save(path, compress=False):
 
 def build_needy(library, folder):
     """A scene that needs something of every kind, to be saved in `folder`, where it has a script and a picture."""
-    from addon.blender.materials import script_node
+    from addon.blender import groups, nodes
+
+    def script_of(material):
+        return groups.script_of(nodes.find_node(material))
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     save(folder / "needy.blend")
@@ -95,13 +97,12 @@ def build_needy(library, folder):
     for name, engine in (("No OSL", "CYCLES"), ("Workbench", "BLENDER_WORKBENCH")):
         bpy.data.scenes.new(name).render.engine = engine
     tables = create_material("pumped_phong", "Tables", lut="file", control=False)
-    sockets = {s.identifier: s for s in script_node(tables).inputs}
-    sockets["table_plain"].default_value = str(folder / "gone.exr")
+    groups.sockets(nodes.find_node(tables))["table_plain"].default_value = str(folder / "gone.exr")
     outside = create_material("phong", "Outside")
-    script_node(outside).mode, script_node(outside).filepath = "EXTERNAL", "//metal.osl"
+    script_of(outside).mode, script_of(outside).filepath = "EXTERNAL", "//metal.osl"
     # A baked model keeps the name of the image that it was baked of.
-    baked = create_material("phong", "Image")
-    script_node(baked).inputs.new("NodeSocketString", "Image", identifier="image").default_value = "//star.png"
+    baked = create_material("blinn", "Image")
+    script_of(baked).inputs.new("NodeSocketString", "Image", identifier="image").default_value = "//star.png"
     picture = bpy.data.images.new("Wood", 4, 4)
     picture.filepath_raw, picture.file_format = str(folder / "wood.png"), "PNG"
     picture.save()
