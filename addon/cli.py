@@ -14,6 +14,7 @@ COMMANDS = {
     "build": ("addon.commands.build", "make the extension's zip"),
     "furnace": ("addon.commands.furnace", "albedo rendered in Cycles against theory"),
     "goniometer": ("addon.commands.goniometer", "lobe under a sun rendered in Cycles against theory"),
+    "portable": ("addon.commands.portable", "whether a .blend renders alone, elsewhere, what it renders here"),
     "compare": ("addon.commands.compare", "computed properties of the models, and what is published of them"),
     "match": ("addon.commands.match", "parameters with which one model is as wide as another"),
     "fit": ("addon.commands.fit", "parameters with which a model comes nearest to another or to data"),

@@ -1,0 +1,124 @@
+"""The scene that is sent on journeys: three materials of the three kinds there are, each on a sphere.
+
+As a script, `python tests/portable_scene.py FILE.blend` saves it in the Blender of that Python.
+"""
+import os
+import sys
+from pathlib import Path
+
+import bpy
+
+from addon import create_material
+
+PUMPED, LUMP, BAKED = "Pumped Phong, painted", "Lump", "Ward"
+
+
+def build(*, lut="compiled"):
+    """Fill an empty file with the scene; returns it. The first material's exponent is driven by a packed image."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    painted = create_material("pumped_phong", PUMPED, lut=lut, pumps=2.0, control=True)
+    paint(painted)
+    looks = [painted, create_material("disk_scaling", LUMP, exponent=20.0),
+             create_material("ward", BAKED, roughness_u=0.3, roughness_v=0.3)]
+    for x, material in zip((-2.2, 0.0, 2.2), looks, strict=True):
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, location=(x, 0.0, 0.0))
+        ball = bpy.context.object
+        ball.name = material.name
+        ball.data.materials.append(material)
+        ball.data.polygons.foreach_set("use_smooth", [True] * len(ball.data.polygons))
+    bpy.ops.object.light_add(type="SUN", rotation=(0.6, 0.5, 0.0))
+    bpy.context.object.data.energy, bpy.context.object.data.angle = 3.0, 0.1
+    bpy.ops.object.camera_add(location=(0.0, -11.0, 1.0), rotation=(1.48, 0.0, 0.0))
+    scene.camera = bpy.context.object
+    scene.world = bpy.data.worlds.new("Sky")
+    if scene.world.node_tree is None:
+        scene.world.use_nodes = True
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.4, 0.5, 0.6, 1.0)
+    settle(scene)
+    return scene
+
+
+def settle(scene):
+    """Settings that are the scene's and no object's."""
+    scene.render.engine, scene.cycles.shading_system = "CYCLES", True
+    scene.render.resolution_x, scene.render.resolution_y = 1920, 640
+
+
+def bring(library, link):
+    """Fill an empty file with all that the file `library` shows, linked or appended; returns the scene."""
+    with bpy.data.libraries.load(str(library), link=link, relative=link) as (there, wanted):
+        wanted.objects, wanted.worlds = there.objects, there.worlds
+    scene = bpy.context.scene
+    for thing in wanted.objects:
+        scene.collection.objects.link(thing)
+    scene.camera, scene.world = next(x for x in wanted.objects if x.type == "CAMERA"), wanted.worlds[0]
+    settle(scene)
+    return scene
+
+
+def paint(material):
+    """Drive the exponent by a checkerboard of 4 and 200, painted here and packed."""
+    from addon.blender import groups, nodes
+
+    tree = material.node_tree
+    image = bpy.data.images.new("Exponents", 8, 8, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    image.pixels.foreach_set([value for y in range(8) for x in range(8)
+                              for value in (*(3 * [4.0 if (x + y) % 2 else 200.0]), 1.0)])
+    image.pack()
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image, texture.interpolation = image, "Closest"
+    coordinates = tree.nodes.new("ShaderNodeTexCoord")
+    tree.links.new(coordinates.outputs["UV"], texture.inputs["Vector"])
+    tree.links.new(texture.outputs["Color"], groups.sockets(nodes.find_node(material))["exponent"])
+
+
+def save(path, compress=False):
+    """Save the open file; the folder is made where there is none."""
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False, compress=compress)
+
+
+def build_needy(library, folder):
+    """A scene that needs something of every kind, to be saved in `folder`, where it has a script and a picture."""
+    from addon.blender import groups, nodes
+
+    def script_of(material):
+        return groups.script_of(nodes.find_node(material))
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    save(folder / "needy.blend")
+    scene = bring(library, link=True)
+    scene.cycles.device = "GPU"
+    scene.camera = scene.camera.copy()  # its own, or there would be nothing to render alone
+    scene.camera.data = scene.camera.data.copy()
+    scene.collection.objects.link(scene.camera)
+    for name, engine in (("No OSL", "CYCLES"), ("Workbench", "BLENDER_WORKBENCH")):
+        bpy.data.scenes.new(name).render.engine = engine
+    tables = create_material("pumped_phong", "Tables", lut="file", control=False)
+    groups.sockets(nodes.find_node(tables))["table_plain"].default_value = str(folder / "gone.exr")
+    outside = create_material("phong", "Outside")
+    script_of(outside).mode, script_of(outside).filepath = "EXTERNAL", "//metal.osl"
+    # A baked model keeps the name of the image that it was baked of.
+    baked = create_material("blinn", "Image")
+    script_of(baked).inputs.new("NodeSocketString", "Image", identifier="image").default_value = "//star.png"
+    picture = bpy.data.images.new("Wood", 4, 4)
+    picture.filepath_raw, picture.file_format = str(folder / "wood.png"), "PNG"
+    picture.save()
+    node = tables.node_tree.nodes.new("ShaderNodeTexImage")
+    node.image = bpy.data.images.load("//wood.png")
+    (folder / "metal.osl").write_text("shader metal(output closure color BSDF = 0) { BSDF = diffuse(N); }\n")
+    ball = next(thing for thing in bpy.data.objects if thing.name == PUMPED).copy()
+    ball.data = ball.data.copy()
+    scene.collection.objects.link(ball)
+    ball.data.materials.clear()
+    for material in (tables, outside, baked):
+        ball.data.materials.append(material)
+
+
+if __name__ == "__main__":
+    build()
+    save(Path(sys.argv[1]).resolve())
+    sys.stdout.flush()
+    os._exit(0)
