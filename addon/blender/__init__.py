@@ -4,13 +4,12 @@ import contextlib
 _registered = None
 
 
-def register():
-    """Register everything. What fails is raised, after all that was registered before it is taken back."""
-    import bpy
-
+def _modules():
+    """What is registered, in this order. A module may have CLASSES, `start` and, to take all back, `stop`."""
     from . import (
         add_menu,
         asset_library,
+        energy,
         furnace_test,
         luts,
         operators,
@@ -23,29 +22,26 @@ def register():
         watch,
     )
 
+    return (properties, operators, switches, furnace_test, add_menu, panels, energy, preferences, luts, rebake, upgrade,
+            watch, asset_library)
+
+
+def register():
+    """Register everything. What fails is raised, after all that was registered before it is taken back."""
+    import bpy
+
     global _registered
     if _registered is not None:
         raise RuntimeError("Plausible BRDF is registered already")
     with contextlib.ExitStack() as undo:
-        for module in (properties, operators, switches, furnace_test, add_menu, panels, preferences):
-            for cls in module.CLASSES:
+        for module in _modules():
+            for cls in getattr(module, "CLASSES", ()):
                 bpy.utils.register_class(cls)
                 undo.callback(bpy.utils.unregister_class, cls)
-        bpy.types.Material.plausible_brdf = bpy.props.PointerProperty(type=properties.PlausibleMaterial)
-        undo.callback(delattr, bpy.types.Material, "plausible_brdf")
-        undo.callback(luts.stop)
-        undo.callback(rebake.stop)
-        add_menu.register_menu()
-        undo.callback(add_menu.unregister_menu)
-        for handlers, handler in ((bpy.app.handlers.load_post, upgrade.on_load),
-                                  (bpy.app.handlers.depsgraph_update_post, watch.on_update)):
-            handlers.append(handler)
-            undo.callback(handlers.remove, handler)
-        undo.callback(watch.stop)
-        undo.callback(furnace_test.stop)
-        asset_library.register()
-        undo.callback(asset_library.unregister)
-        luts.choose_folder()
+            if hasattr(module, "start"):
+                module.start()
+            if hasattr(module, "stop"):
+                undo.callback(module.stop)
         _registered = undo.pop_all()
 
 

@@ -90,12 +90,13 @@ def _entry(self, context):
     self.layout.menu("PLAUSIBLE_MT_add")
 
 
-def register_menu():
+def start():
     """Put the menu where Blender's own shaders are."""
     getattr(bpy.types, _HOME).append(_entry)
 
 
-def unregister_menu():
+def stop():
+    """Take the menu back."""
     getattr(bpy.types, _HOME).remove(_entry)
 
 

@@ -8,9 +8,9 @@ FOLDER = Path(__file__).resolve().parents[1] / "assets"
 FILE = FOLDER / "plausible.blend"
 
 
-def register():
+def start():
     """Add the library to the preferences, in place of one that an earlier start left there."""
-    unregister()
+    stop()
     if FILE.is_file():
         library = bpy.context.preferences.filepaths.asset_libraries.new(name=NAME, directory=str(FOLDER))
         # What is dragged in becomes the file's own: the extension may go.
@@ -18,7 +18,7 @@ def register():
         library.use_relative_path = False
 
 
-def unregister():
+def stop():
     """Take the library out of the preferences."""
     libraries = bpy.context.preferences.filepaths.asset_libraries
     for library in [each for each in libraries if each.name == NAME]:

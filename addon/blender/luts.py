@@ -23,7 +23,7 @@ def user_folder(create=False):
     return Path(bpy.utils.extension_path_user(ROOT_PACKAGE, path="luts", create=create))
 
 
-def choose_folder():
+def start():
     """Use the user's own tables where they are whole and of this version, else the packaged ones."""
     folder = user_folder()
     tables.use_folder(folder)

@@ -289,15 +289,15 @@ class _InShaderEditor:
                 and isinstance(space.id, (bpy.types.Material, type(None))))  # a light's nodes count as an object's too
 
 
-def _panels():
-    """Each face in both places, parents first."""
+def in_both_places(faces):
+    """Panels of each face in both places; a parent stands before those that lie in it."""
     panels = []
     for place, prefix in ((_InMaterialTab, "PLAUSIBLE_PT"), (_InShaderEditor, "PLAUSIBLE_PT_node")):
-        for face in (_Main, _Lobe, _Retro, _Color, _Sampling, _Tables):
+        for face in faces:
             name = f"{prefix}_{face.__name__.strip('_').lower()}"
             parent = {} if face is _Main else {"bl_parent_id": f"{prefix}_main"}
             panels.append(type(name, (face, place, bpy.types.Panel), {"bl_idname": name, **parent}))
     return tuple(panels)
 
 
-CLASSES = _panels()
+CLASSES = in_both_places((_Main, _Lobe, _Retro, _Color, _Sampling, _Tables))

@@ -119,3 +119,14 @@ PlausibleMaterial = type("PlausibleMaterial", (bpy.types.PropertyGroup,), {
 })
 
 CLASSES = (PlausibleMaterial,)
+
+
+def start():
+    """Give every material the properties."""
+    bpy.types.Material.plausible_brdf = bpy.props.PointerProperty(type=PlausibleMaterial)
+
+
+def stop():
+    """Take them back; values stay, as they are the sockets'."""
+    if hasattr(bpy.types.Material, "plausible_brdf"):
+        del bpy.types.Material.plausible_brdf

@@ -106,3 +106,14 @@ def on_load(*_):
     told = upgrade_all()
     if told:
         print(f"Plausible BRDF: {told}")
+
+
+def start():
+    """Upgrade every file that is loaded from now on."""
+    bpy.app.handlers.load_post.append(on_load)
+
+
+def stop():
+    """Leave files as they are again."""
+    if on_load in bpy.app.handlers.load_post:
+        bpy.app.handlers.load_post.remove(on_load)

@@ -28,8 +28,15 @@ def _look():
             rebake.soon(material)
 
 
+def start():
+    """Begin to watch."""
+    bpy.app.handlers.depsgraph_update_post.append(on_update)
+
+
 def stop():
-    """Forget what has changed."""
+    """Watch no longer, and forget what has changed."""
+    if on_update in bpy.app.handlers.depsgraph_update_post:
+        bpy.app.handlers.depsgraph_update_post.remove(on_update)
     _changed.clear()
     if bpy.app.timers.is_registered(_look):
         bpy.app.timers.unregister(_look)

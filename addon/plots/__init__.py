@@ -1,0 +1,1 @@
+"""A model at a glance, quick enough to follow a slider: albedos, lobes, and a picture of both, with NumPy alone."""
