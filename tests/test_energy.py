@@ -127,20 +127,24 @@ def test_several_materials(bpy, energy):
 
 
 def test_links_are_named(bpy, energy):
+    from addon.blender import groups
+
     material = make("pumped_blinn")
     node = plausible_node(material)[0]
     noise = material.node_tree.nodes.new("ShaderNodeTexNoise")
     noise.label = "Scratches"
-    socket = next(s for s in node.inputs if s.identifier == "exponent")
+    socket = groups.sockets(node)["exponent"]
     material.node_tree.links.new(noise.outputs[0], socket)
     words = texts(drawn(energy, context_for(bpy, material)))
     assert "Exponent is driven by Scratches: plotted for" in words and words.count("driven") == 1
 
 
 def test_an_image_that_cannot_be_read(bpy, energy, no_weights, tmp_path):
+    from addon.blender import groups
+
     material = make("ndf_map")
     node = plausible_node(material)[0]
-    next(s for s in node.inputs if s.identifier == "image").default_value = str(tmp_path / "gone.exr")
+    groups.sockets(node)["image"].default_value = str(tmp_path / "gone.exr")
     context = context_for(bpy, material)
     drawn(energy, context)
     energy.make_wanted()

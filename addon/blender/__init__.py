@@ -22,7 +22,7 @@ def _modules():
         watch,
     )
 
-    return (properties, operators, switches, furnace_test, add_menu, panels, energy, preferences, luts, rebake, upgrade,
+    return (properties, operators, switches, add_menu, panels, energy, furnace_test, preferences, luts, rebake, upgrade,
             watch, asset_library)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..plots import picture, quick
 from .nodes import socket_of, values
-from .panels import _Face, draw_text, in_both_places
+from .panels import Face, draw_text, in_both_places
 
 PAUSE = 0.05  # seconds from a redraw to the plot that it asks for: a slider that is dragged redraws more often
 KEPT = 12  # materials whose plots are kept
@@ -109,7 +109,7 @@ def stop():
         _previews = None
 
 
-class _Energy(_Face):
+class _Energy(Face):
     bl_label = "Energy"
 
     def draw(self, context):

@@ -10,10 +10,14 @@ import threading
 from pathlib import Path
 
 import bpy
+import bpy.utils.previews
+import numpy as np
 
-from . import osl
+from ..plots import picture, quick
+from . import nodes, osl
 from .areas import redraw
 from .operators import OnMaterial, material_of
+from .panels import Face, draw_text, in_both_places
 
 ROOT = Path(__file__).resolve().parents[2]
 SAMPLES = 256
@@ -30,6 +34,7 @@ os._exit(code)
 """
 
 job = None  # the test that runs, or the last one
+_previews = None  # its picture
 
 
 class FurnaceJob:
@@ -38,6 +43,8 @@ class FurnaceJob:
 
     def __init__(self, material):
         self.name = material.name_full
+        node = nodes.find_node(material)
+        self.of = nodes.model_of(node), nodes.values(node)  # what is tested, which may change meanwhile
         self.rows, self.verdict, self.error, self.cancelled = [], None, "", False
         self.done, self.total = 0, 1
         self._folder = tempfile.TemporaryDirectory(prefix="plausible-")
@@ -86,6 +93,8 @@ class FurnaceJob:
             self.error = (told or self._said or ["the other Blender ended without a word"])[-1]
             return
         self.rows, self.verdict = report["rows"], report["verdict"]
+        if self.verdict is not None:
+            _show(self)
 
 
 def _blender(script):
@@ -95,13 +104,30 @@ def _blender(script):
     return [bpy.app.binary_path, "--background", "--factory-startup", "--python-expr", script]
 
 
+def _show(done):
+    """Draw what was measured over the formula's curve."""
+    global _previews
+    if bpy.app.background:  # where nobody sees it
+        return
+    views, measured, noise = (np.array([row[key] for row in done.rows]) for key in ("angle_deg", "measured", "noise"))
+    pixels = picture.draw_furnace(quick.plot(*done.of), views, measured, noise)
+    if _previews is None:
+        _previews = bpy.utils.previews.new()
+        _previews.new("furnace")
+    _previews["furnace"].image_size = pixels.shape[1::-1]
+    _previews["furnace"].image_pixels_float.foreach_set(pixels.ravel())
+
+
 def stop():
-    """End the test that runs and forget the results."""
-    global job
+    """End the test that runs, and forget results and picture."""
+    global job, _previews
     if job is not None and job.running:
         job.cancel()
         job.finish()
     job = None
+    if _previews is not None:
+        bpy.utils.previews.remove(_previews)
+        _previews = None
 
 
 class PLAUSIBLE_OT_furnace_test(OnMaterial, bpy.types.Operator):
@@ -205,4 +231,44 @@ def verdict_text(job) -> str:
     return f"{said}: at most {worst[0]:.4f} off, at {worst[1]:g}°"
 
 
-CLASSES = (PLAUSIBLE_OT_furnace_test, PLAUSIBLE_OT_cancel_furnace_test)
+class _FurnaceTest(Face):
+    bl_label = "Furnace Test"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, material, node, model = self.begin(context)
+        if job is not None and job.running:
+            row = layout.row(align=True)
+            row.progress(factor=job.done / job.total, text=progress_text(job))
+            row.operator("plausible.cancel_furnace_test", text="", icon="X")
+            return
+        layout.operator("plausible.furnace_test", icon="LIGHT_HEMI")
+        if job is not None and job.name == material.name_full and job.rows:
+            draw_results(layout, context, job, (model, nodes.values(node)) == job.of)
+
+
+def draw_results(layout, context, done, is_current):
+    """Verdict, picture and numbers of a test."""
+    if not is_current:
+        draw_text(layout, context, "Measured for other values than now", "TIME")
+    draw_text(layout, context, verdict_text(done), "CHECKMARK" if done.verdict in ("ok", None) else "ERROR")
+    if _previews is not None and done.verdict is not None:
+        row = layout.row()
+        row.alignment = "CENTER"
+        row.template_icon(icon_value=_previews["furnace"].icon_id, scale=9.0)
+    column = layout.column(align=True)
+    for result in done.rows:
+        row = column.row()
+        row.label(text=f"{result['angle_deg']:g}°")
+        row.label(text=_numbers(result["measured"]))
+        if done.verdict is not None:
+            row.label(text=_numbers(result["reference"]))
+
+
+def _numbers(channels):
+    """One number where all channels are alike, else three."""
+    alike = max(channels) - min(channels) < 5e-4
+    return "  ".join(f"{value:.3f}" for value in (channels[:1] if alike else channels))
+
+
+CLASSES = (PLAUSIBLE_OT_furnace_test, PLAUSIBLE_OT_cancel_furnace_test, *in_both_places((_FurnaceTest,)))

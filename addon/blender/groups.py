@@ -34,7 +34,7 @@ def add_node(tree, model, lut: str = source.COMPILED, parameters: dict | None = 
 def add_compiled(tree, model, bytecode: str, lut: str = source.COMPILED):
     """Add the node of a model whose shader is compiled already to a node tree."""
     node = tree.nodes.new("ShaderNodeGroup")
-    node.node_tree = _shared(bytecode, lut) or _new_group(model, bytecode, lut)
+    node.node_tree = _shared(model, bytecode, lut) or _new_group(model, bytecode, lut)
     node.name = node.label = model.label
     node.width = 220.0
     return node
@@ -101,9 +101,9 @@ def own(node):
         node.node_tree = tree.copy()
 
 
-def _shared(bytecode, lut):
-    """A group of this file that holds the bytecode already. Groups that name files are not shared."""
-    if lut == source.FILE:
+def _shared(model, bytecode, lut):
+    """A group of this file that holds the bytecode already. What is baked and what names files is not shared."""
+    if model.baked or lut == source.FILE:
         return None
     digest = hashlib.md5(bytecode.encode()).hexdigest()
     for tree in bpy.data.node_groups:

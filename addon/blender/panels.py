@@ -79,7 +79,7 @@ def _draw_link(layout, label, node):
     split.label(text=node.label or node.name, icon="LINKED")
 
 
-class _Face:
+class Face:
     """What the panels of both places have in common."""
 
     @classmethod
@@ -96,7 +96,7 @@ class _Face:
         return (layout, material, *plausible_node(material))
 
 
-class _Main(_Face):
+class _Main(Face):
     bl_label = "Plausible BRDF"
 
     @classmethod
@@ -144,7 +144,7 @@ def draw_weights(layout, context, material, node):
                   "CHECKMARK")
 
 
-class _Lobe(_Face):
+class _Lobe(Face):
     bl_label = "Lobe"
 
     def draw(self, context):
@@ -189,7 +189,7 @@ def _has(context, section):
     return any(p.section == section for p in plausible_node(material_of(context))[1].parameters)
 
 
-class _Retro(_Face):
+class _Retro(Face):
     bl_label = "Retroreflection"
 
     @classmethod
@@ -210,7 +210,7 @@ def _unused_width(material, node, by_id):
     return "exponent" if material.plausible_brdf.use_roughness else "roughness"
 
 
-class _Color(_Face):
+class _Color(Face):
     bl_label = "Color"
 
     @classmethod
@@ -238,7 +238,7 @@ def _is_read(name, by_id, material, node):
     return material.plausible_brdf.fresnel_type in _ONLY_WITH[name]
 
 
-class _Sampling(_Face):
+class _Sampling(Face):
     bl_label = "Sampling"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -249,7 +249,7 @@ class _Sampling(_Face):
                 draw_parameter(layout, material, node, parameter)
 
 
-class _Tables(_Face):
+class _Tables(Face):
     bl_label = "Albedo Tables"
     bl_options = {"DEFAULT_CLOSED"}
 

@@ -27,6 +27,23 @@ def draw(plot: Plot) -> np.ndarray:
     return canvas.pixels
 
 
+def draw_furnace(plot: Plot, views, measured, noise) -> np.ndarray:
+    """The albedo's half, (SIDE, SIDE, 4), with what a furnace measured: `measured` (N, 3) at `views` (N,) in degrees.
+
+    A bar stands at each value, and a line of five standard errors `noise` (N, 3) up and down through it.
+    """
+    canvas = Canvas(SIDE, SIDE, BACKGROUND)
+    _draw_albedo(canvas, plot)
+    top = top_of(plot)
+    for channel, colour in enumerate(CHANNELS if plot.albedo.shape[1] == 3 else (INK,)):
+        for view, value, error in zip(views, measured[:, channel], noise[:, channel], strict=True):
+            (x, y), = place([view], [value], top)
+            (_, low), (_, high) = place([view] * 2, [value - 5.0 * error, value + 5.0 * error], top)
+            canvas.line([(x, low), (x, high)], colour, 1.5)
+            canvas.line([(x - 4.0, y), (x + 4.0, y)], UNITY, 3.0)
+    return canvas.pixels
+
+
 def top_of(plot: Plot) -> float:
     """The albedo at which the axis ends: the first of TOPS that no view up to 85 degrees passes, or the last."""
     highest = np.nan_to_num(plot.albedo[VIEWS <= 85.0]).max()
