@@ -46,7 +46,8 @@ def bake(names=None, workers=None, size=sizes.STANDARD):
     generator (or Ctrl-C) leaves the old tables as they were. Raises OSError when the folder cannot be written.
     """
     baked = [sizes.sized(tables.TABLES[name], size) for name in names or tables.TABLES]
-    _require_writable(tables.folder())
+    folder = tables.folder()
+    require_writable(folder)
     total, done = sum(steps(table) for table in baked), 0
     for table in baked:
         rows, errors = [], []
@@ -58,7 +59,7 @@ def bake(names=None, workers=None, size=sizes.STANDARD):
         for error in mapped(measure_row, [(table, nodes, row) for row in measured_rows(table)], workers):
             errors.append(error)
             if len(errors) == len(measured_rows(table)):
-                _write(table, nodes, max(errors), size)
+                _write(folder / table.path.name, table, nodes, max(errors), size)
             done += 1
             yield done, total, table.name
     tables.forget()
@@ -69,7 +70,8 @@ def steps(table) -> int:
     return table.height + len(measured_rows(table))
 
 
-def _require_writable(folder):
+def require_writable(folder):
+    """Make a folder for tables where there is none. Raises OSError where it cannot be written."""
     folder.mkdir(parents=True, exist_ok=True)
     if not os.access(folder, os.W_OK):
         raise PermissionError(f"{folder}: this folder is read-only; choose another with --output or in the preferences")
@@ -78,8 +80,8 @@ def _require_writable(folder):
             part.unlink(missing_ok=True)
 
 
-def _write(table, nodes, error, size):
-    exr.write(table.path, tables.marked(table, nodes), {
+def _write(path, table, nodes, error, size):
+    exr.write(path, tables.marked(table, nodes), {
         **kind_of(table).provenance(table),
         tables.AXES: json.dumps(table.told_axes()),
         tables.RESOLUTION: size.resolution,

@@ -11,6 +11,8 @@ def register():
     from . import (
         add_menu,
         asset_library,
+        bakes,
+        cache,
         furnace_test,
         luts,
         operators,
@@ -27,12 +29,13 @@ def register():
     if _registered is not None:
         raise RuntimeError("Plausible BRDF is registered already")
     with contextlib.ExitStack() as undo:
-        for module in (properties, operators, switches, furnace_test, add_menu, panels, preferences):
+        for module in (properties, operators, switches, furnace_test, add_menu, bakes, panels, preferences):
             for cls in module.CLASSES:
                 bpy.utils.register_class(cls)
                 undo.callback(bpy.utils.unregister_class, cls)
         bpy.types.Material.plausible_brdf = bpy.props.PointerProperty(type=properties.PlausibleMaterial)
         undo.callback(delattr, bpy.types.Material, "plausible_brdf")
+        undo.callback(cache.stop)
         undo.callback(luts.stop)
         undo.callback(rebake.stop)
         add_menu.register_menu()

@@ -8,6 +8,7 @@ import bpy
 
 from ..baking import weights
 from ..shading import source
+from . import cache
 
 SOCKETS = {"float": "NodeSocketFloat", "int": "NodeSocketInt", "enum": "NodeSocketInt", "bool": "NodeSocketBool",
            "color": "NodeSocketColor", "vector": "NodeSocketVector", "image": "NodeSocketString"}
@@ -37,6 +38,9 @@ def compile_model(model, lut: str = source.COMPILED, parameters: dict | None = N
     reason = unavailable()
     if reason:
         raise OslError(reason)
+    if model.baked:
+        return cache.fetch(cache.key(model, parameters or {}, "shader"),
+                           lambda: _compile(model, source.assemble(model, lut, parameters)))
     return _compiled_once(model, source.assemble(model, lut, parameters))
 
 

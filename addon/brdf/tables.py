@@ -252,7 +252,7 @@ def covers(span, exponent: float) -> bool:
     return span[0] * (1.0 - SLACK) <= exponent <= span[1] * (1.0 + SLACK)
 
 
-def _covering(name, exponents):
+def require(name: str, exponents):
     """The table `name`, in use. Raises TableError where it cannot be read at all of the exponents."""
     table = in_use(name)
     for exponent in (np.min(exponents), np.max(exponents)) if np.size(exponents) else ():
@@ -268,7 +268,7 @@ def albedos(lobe: str, control: bool, cos_theta, exponent: float) -> np.ndarray:
 
     Raises TableError as `load`, and where the table in use is not baked for the exponent.
     """
-    table = _covering(f"{lobe}_{'controlled' if control else 'plain'}", exponent)
+    table = require(f"{lobe}_{'controlled' if control else 'plain'}", exponent)
     return axes.read(load(table), table.columns, table.rows, cos_theta, exponent)
 
 
@@ -277,7 +277,7 @@ def volumes(mu_view, exponent, radius) -> np.ndarray:
 
     Raises TableError as `albedos`.
     """
-    table = _covering(VolumeTable.name, exponent)
+    table = require(VolumeTable.name, exponent)
     nodes = load(table).reshape(-1, table.rows.rows, table.columns.columns, 4)
     distance = disk.room(np.asarray(mu_view))
     found, radii = np.empty(len(distance)), table.radii

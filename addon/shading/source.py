@@ -34,6 +34,11 @@ def assemble(model, lut: str = COMPILED, parameters: dict | None = None, baked=N
     return _definitions(model, lut) + text
 
 
+def spans(model) -> dict:
+    """{name of a table: (least, largest) exponent}: what a shader that is assembled now can be read at."""
+    return {name: _in_use(name, FILE).span for name in model.tables}
+
+
 def mode_of(table) -> str:
     """What a shader calls a table: its parameter is table_ and this."""
     if isinstance(table, tables.VolumeTable):
