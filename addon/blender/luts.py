@@ -1,4 +1,5 @@
 """Albedo tables inside Blender: their folder, what is wrong with them, and baking them in the background."""
+import os
 import shutil
 import threading
 import time
@@ -61,8 +62,8 @@ def _amiss(folder):
 def use_bake_folder():
     """Use the folder that a bake writes to: the user's choice, else what Blender grants us, else the folder in use.
 
-    Tables that it lacks are copied there: until a bake is complete, and after one that is cancelled, every table is
-    there. Raises OSError that says what to do.
+    Tables that it lacks are copied there, and so are those that are not usable in our own: until a bake is complete,
+    and after one that is cancelled, every table is there. Raises OSError that says what to do.
     """
     source, chosen = tables.folder(), _chosen()
     if chosen is not None and not chosen.is_dir():
@@ -71,16 +72,22 @@ def use_bake_folder():
     if target is None or target == source:
         return
     bake.require_writable(target)
-    for table in tables.TABLES.values():
-        original, copy = table.path, target / table.path.name
-        if original.exists() and not copy.exists():
-            beside = copy.with_name(f".{copy.name}.copy.part")
-            try:
-                shutil.copyfile(original, beside)
-                beside.replace(copy)
-            finally:
-                beside.unlink(missing_ok=True)
     tables.use_folder(target)
+    for name, table in tables.TABLES.items():
+        original = source / table.path.name
+        if original.exists() and (problem([name]) if chosen is None else not table.path.exists()):
+            _copy(original, table.path)
+    tables.forget()
+
+
+def _copy(original, path):
+    """Copy a table beside `path`, and rename it when it is whole."""
+    beside = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        shutil.copyfile(original, beside)
+        beside.replace(path)
+    finally:
+        beside.unlink(missing_ok=True)
 
 
 def delete_own():
