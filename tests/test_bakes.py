@@ -201,9 +201,9 @@ def short_nodes(table):
 
 @pytest.fixture
 def short(folder):
-    """Phong's controlled table for exponents from 1 to 60, as it is baked."""
+    """Phong's plain table for exponents from 1 to 60, as it is baked."""
     size = sizes.Size("draft", 1.0, 60.0)
-    table = sizes.sized(tables.TABLES["phong_controlled"], size)
+    table = sizes.sized(tables.TABLES["phong_plain"], size)
     bake._write(table.path, table, short_nodes(table), 1e-3, size)
     tables.forget()
     return table
@@ -213,16 +213,16 @@ def test_a_material_beyond_its_tables_is_told(short):
     import bpy
 
     with pytest.raises(tables.TableError, match="exponent: 61 is outside 1 .. 60"):
-        make("pumped_phong", exponent=61.0)
+        make("pumped_phong", exponent=61.0, control=False)
     assert not bpy.data.materials, "no half material"
-    material = make("pumped_phong", exponent=20.0)
+    material = make("pumped_phong", exponent=20.0, control=False)
     assert "beyond" not in texts(drawn(context_for(bpy, material)))
     material.plausible_brdf.exponent = 500.0
     log = drawn(context_for(bpy, material))
     assert "Exponent 500 is beyond the material's tables, which are for 1 to 60" in texts(log)
     assert operators(log).count("plausible.choose_bake") == 2
-    for name, value in (("control", False), ("pumps", 0.0)):  # another table, and none
-        other = make("pumped_phong", exponent=20.0, **{name: value})
+    for given in ({"control": True}, {"control": False, "pumps": 0.0}):  # another table, and none
+        other = make("pumped_phong", exponent=20.0, **given)
         other.plausible_brdf.exponent = 500.0
         assert "beyond" not in texts(drawn(context_for(bpy, other)))
     # Tables that reach further mend it once they are compiled in.
@@ -237,19 +237,19 @@ def test_a_material_beyond_its_tables_is_told(short):
 @pytest.mark.parametrize("lut", ["compiled", "file"])
 def test_a_short_table_renders_its_albedo_and_stripes_beyond(short, lut, capfd):
     """In the furnace at 60 degrees: inside the range and at its ends as the formula says; beyond no albedo at all."""
-    from addon.blender import materials
+    from addon.blender import materials, nodes
     from addon.verify import room
 
     model = MODELS["pumped_phong"]
-    material = make("pumped_phong", lut=lut, exponent=20.0, pumps=2.0)
-    node = materials.script_node(material)
+    material = make("pumped_phong", lut=lut, exponent=20.0, pumps=2.0, control=False)
+    node = nodes.find_node(material)
     with room.Room(material, room.PLANE, 16) as place:
         place.sky(1.0)
         place.look_from((np.sin(np.radians(60.0)), 0.0, 0.5))
         for exponent in (1.0, 20.0, 60.0):
             materials.set_value(node, model.parameter("exponent"), exponent)
             shown = place.render(256).reshape(-1, 3)[:, 0]
-            truth = model.albedo([0.5], exponent=exponent, pumps=2.0)[0]
+            truth = model.albedo([0.5], exponent=exponent, pumps=2.0, control=False)[0]
             assert shown.mean() == pytest.approx(truth, abs=3e-3 + 4.0 * shown.std() / 16.0)
         capfd.readouterr()
         materials.set_value(node, model.parameter("exponent"), 70.0)
@@ -263,7 +263,7 @@ def test_a_short_table_renders_its_albedo_and_stripes_beyond(short, lut, capfd):
 
 def test_a_baked_model_is_baked_once(bpy, monkeypatch):
     from addon.baking import weights, weights_error
-    from addon.blender import cache, osl
+    from addon.blender import cache, nodes, osl
 
     calls, blank = [], weights.blank
     monkeypatch.setattr(cache, "_memory", {})
@@ -276,10 +276,8 @@ def test_a_baked_model_is_baked_once(bpy, monkeypatch):
     assert osl.compile_model(MODELS["ward"], parameters={"roughness_u": 0.2, "samples": 7}) and len(calls) == 2
     make("ward", roughness_u=0.21)
     assert calls == ["weights", "error"] * 2
-    from addon.blender import materials
-
-    nodes = [materials.script_node(material) for material in (first, second)]
-    assert nodes[0].bytecode == nodes[1].bytecode and materials.baked_error(nodes[1]) == (0.012, 0.001)
+    ours = [nodes.find_node(material) for material in (first, second)]
+    assert ours[0].node_tree == ours[1].node_tree and nodes.baked_error(ours[1]) == (0.012, 0.001)
 
 
 def test_memory_keeps_the_last_few(bpy, monkeypatch):

@@ -324,7 +324,7 @@ else:
     assert addon_utils.enable("bl_ext.user_default.plausible_brdf", default_set=True)
 addon = sys.modules["bl_ext.user_default.plausible_brdf.addon"]
 from bl_ext.user_default.plausible_brdf.addon.baking import weights, weights_error
-from bl_ext.user_default.plausible_brdf.addon.blender import cache, materials, settings
+from bl_ext.user_default.plausible_brdf.addon.blender import cache, groups, nodes, settings
 import numpy as np
 calls, blank = [], weights.blank
 weights.weights = lambda model, p: calls.append("weights") or blank(model, p)
@@ -333,8 +333,8 @@ weights_error.error = lambda model, p: calls.append("error") or known
 material = addon.create_material("ward", roughness_u=0.25)
 folder = settings.granted_folder("cache")
 assert len(list(folder.iterdir())) == 2 and cache.size() > 100
-assert materials.baked_error(materials.script_node(material)) == (0.0125, 0.001)
-text = materials.script_node(material).bytecode
+assert nodes.baked_error(nodes.find_node(material)) == (0.0125, 0.001)
+text = groups.script_of(nodes.find_node(material)).bytecode
 preferences = bpy.context.preferences.addons["bl_ext.user_default.plausible_brdf"].preferences
 found = {"calls": calls[:], "bytes": len(text)}
 if len(sys.argv) > 2:

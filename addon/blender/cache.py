@@ -21,19 +21,31 @@ _memory = {}  # key -> value, the least recently used first
 
 def fetch(key: str, make):
     """The value kept for `key`, or that of `make()`, which is then kept. Values are such as JSON knows."""
-    if key in _memory:
+    if holds(key):
         _memory[key] = _memory.pop(key)
         return _memory[key]
+    value = make()
     kept = _attempt(on_disk)
-    value = _attempt(lambda: kept.load(key)) if kept else None
-    if value is None:
-        value = make()
-        if kept:
-            _attempt(lambda: kept.save(key, value))
+    if kept:
+        _attempt(lambda: kept.save(key, value))
+    _remember(key, value)
+    return value
+
+
+def holds(key: str) -> bool:
+    """Whether `fetch` has a value for `key`, from now on in memory."""
+    if key not in _memory:
+        kept = _attempt(on_disk)
+        value = _attempt(lambda: kept.load(key)) if kept else None
+        if value is not None:
+            _remember(key, value)
+    return key in _memory
+
+
+def _remember(key, value):
     _memory[key] = value
     while len(_memory) > _IN_MEMORY:
         del _memory[next(iter(_memory))]
-    return value
 
 
 def _attempt(action):
@@ -48,8 +60,8 @@ def _attempt(action):
 def key(model, parameters: dict, what: str) -> str:
     """The key of `what` is baked of a model for its parameters: it changes with all that decides the outcome."""
     p = model.resolve(parameters)
-    used = [q for q in model.parameters if q.evaluated]
-    text = repr((what, model.id, [(q.id, p[q.id], q.stamp(p[q.id])) for q in used], bpy.app.version[:2], _version()))
+    used = [(q.id, q.single(p[q.id]), q.stamp(p[q.id])) for q in model.parameters if q.evaluated]
+    text = repr((what, model.id, used, bpy.app.version[:2], _version()))
     return hashlib.sha256(text.encode()).hexdigest()
 
 

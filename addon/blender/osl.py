@@ -44,6 +44,11 @@ def compile_model(model, lut: str = source.COMPILED, parameters: dict | None = N
     return _compiled_once(model, source.assemble(model, lut, parameters))
 
 
+def is_kept(model, parameters: dict) -> bool:
+    """Whether the shader of a baked model for its parameters is at hand, so that `compile_model` takes no time."""
+    return cache.holds(cache.key(model, parameters, "shader")) and cache.holds(cache.key(model, parameters, "error"))
+
+
 def check_model(model):
     """Compile a model's shader without what is baked for its parameters. Raises as `compile_model`."""
     if model.baked:
