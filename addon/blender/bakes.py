@@ -52,7 +52,7 @@ class PLAUSIBLE_OT_choose_bake(_Choice, bpy.types.Operator):
     bl_label = "Bake LUTs"
 
     def invoke(self, context, event):
-        return context.window_manager.invoke_props_dialog(self, width=400)
+        return context.window_manager.invoke_props_dialog(self, width=400, confirm_text="Bake")
 
     def draw(self, context):
         layout = self.layout
@@ -63,8 +63,7 @@ class PLAUSIBLE_OT_choose_bake(_Choice, bpy.types.Operator):
         column = layout.column(align=True)
         column.prop(self, "lowest")
         column.prop(self, "highest")
-        lines = layout.column(align=True)
-        lines.scale_y = 0.8
+        lines = layout.column()
         for text, icon in cost_texts(self):
             lines.label(text=text, icon=icon)
 
