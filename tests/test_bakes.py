@@ -313,17 +313,19 @@ def test_the_version_is_that_of_the_code(bpy, monkeypatch, tmp_path):
         cache._version.cache_clear()
         return cache._version()
 
-    for name in ("addon/brdf", "addon/baking", "addon/shading", "osl/include", "luts"):
+    for name in ("addon/brdf", "addon/baking", "addon/shading", "addon/blender", "osl/include", "luts"):
         (tmp_path / name).mkdir(parents=True)
-    for name in ("addon/brdf/a.py", "addon/baking/weights.py", "osl/include/weights.h", "luts/ndf_star.exr"):
+    names = ("addon/brdf/a.py", "addon/baking/weights.py", "osl/include/weights.h", "addon/blender/osl.py",
+             "luts/ndf_star.exr")
+    for name in names:
         (tmp_path / name).write_text("1")
     monkeypatch.setattr(cache, "_ROOT", tmp_path)
     found = [version()]
-    for name in ("addon/brdf/a.py", "addon/baking/weights.py", "osl/include/weights.h", "luts/ndf_star.exr"):
+    for name in names:
         (tmp_path / name).write_text("2")
         found.append(version())
     cache._version.cache_clear()
-    assert len(set(found)) == 5
+    assert len(set(found)) == len(names) + 1
 
 
 def test_a_cache_that_cannot_be_written_costs_time_only(bpy, monkeypatch, capsys, tmp_path):

@@ -14,7 +14,7 @@ from . import settings
 
 _ROOT = Path(__file__).resolve().parents[2]
 _CODE = ("addon/brdf", "addon/baking", "addon/shading", "osl")  # what decides how values become bytecode
-_SHIPPED = ("luts/ndf_star.exr",)
+_FILES = ("addon/blender/osl.py", "luts/ndf_star.exr")
 _IN_MEMORY = 32
 _memory = {}  # key -> value, the least recently used first
 
@@ -71,7 +71,7 @@ def _version() -> str:
     paths = [path for folder in _CODE for path in sorted((_ROOT / folder).rglob("*"))
              if path.suffix in (".py", ".osl", ".h")]
     digest = hashlib.sha256()
-    for path in [*paths, *(_ROOT / name for name in _SHIPPED)]:
+    for path in [*paths, *(_ROOT / name for name in _FILES)]:
         digest.update(path.relative_to(_ROOT).as_posix().encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()
 

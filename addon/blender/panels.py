@@ -121,9 +121,6 @@ class _Main(_Face):
         row.menu("PLAUSIBLE_MT_convert", text="", icon="ARROW_LEFTRIGHT")
         row.menu("PLAUSIBLE_MT_presets", text="", icon="PRESET")
         draw_weights(layout, context, material, node)
-        beyond = status.beyond(node)
-        if beyond:
-            draw_notice(layout, context, beyond)
         if status.osl_is_on(context.scene):
             note = layout.row()
             note.active = False

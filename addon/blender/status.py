@@ -40,7 +40,7 @@ def notices(context, node=None, material=None) -> list:
     model = None if node is None else nodes.model_of(node)
     found = [_tables(model), _older(material)]
     if model is not None:
-        stands = [_native(node)] if switches.is_native(node) else [_osl_off(scene), _wrong_device(scene)]
+        stands = [_native(node)] if switches.is_native(node) else [_osl_off(scene), _wrong_device(scene), _beyond(node)]
         found = [_engine(scene), *stands, _newer(node), *found]
     return [notice for notice in found if notice is not None]
 
@@ -113,7 +113,7 @@ def _tables(model):
     return text and Notice(text, Cure("plausible.choose_bake", "Bake LUTs", models))
 
 
-def beyond(node):
+def _beyond(node):
     """The notice for a material whose exponent is not one that the tables compiled into it are baked for, or None."""
     model, spans = groups.model_of(node), node.node_tree.get(groups.SPANS_KEY)
     for name, exponent in model.readings(model.resolve(nodes.values(node))) if spans else ():
