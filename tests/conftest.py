@@ -16,7 +16,10 @@ def table_folder(tmp_path):
 
 @pytest.fixture
 def no_weights(monkeypatch):
-    """Baked models get a few zeros for weights, at once, in tests that do not render."""
+    """Baked models get a few zeros for weights, at once, in tests that do not render; nobody else gets to see them."""
+    from addon.blender import cache
+
+    monkeypatch.setattr(cache, "_memory", {})
     few = weights.Weights(weights.ROUND, np.zeros((1, 1)), np.zeros((0, 3)), 1, np.zeros(1))
     known = weights_error.WeightsError(np.zeros(1), np.array([0.012]), np.array([-0.001]))
     monkeypatch.setattr(weights, "weights", lambda model, parameters: few)

@@ -53,14 +53,14 @@ leave(0)
 """
 
 
-def run_blender(tmp_path, body, *arguments, profile="profile"):
+def run_blender(tmp_path, body, *arguments, profile="profile", **variables):
     """Run `body` in a Blender of its own with an empty user profile; returns the JSON object it prints last, if any."""
     script = tmp_path / "script.py"
     script.write_text(_FRAME.replace("BODY", body), encoding="utf-8")
     folder = tmp_path / profile
     folder.mkdir(exist_ok=True)
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    environment["BLENDER_USER_RESOURCES"] = str(folder)
+    environment |= {"BLENDER_USER_RESOURCES": str(folder), **variables}
     result = subprocess.run([sys.executable, str(script), *map(str, arguments)], capture_output=True, text=True,
                             env=environment, cwd=tmp_path, timeout=300)
     assert result.returncode == 0, f"exit code {result.returncode}\n{result.stdout}\n{result.stderr}"
@@ -246,31 +246,184 @@ def test_material_renders_its_albedo_and_needs_no_extension_afterwards(package, 
     assert again == pixels
 
 
-READ_ONLY = """
+OWN_TABLES = """
 addon = install(sys.argv[1])
-from bl_ext.user_default.plausible_brdf.addon.blender import luts
+from bl_ext.user_default.plausible_brdf.addon.blender import luts, settings
 from bl_ext.user_default.plausible_brdf.addon.brdf import tables
 packaged = tables.folder()
-writable, os.access = os.access, lambda path, mode: str(path) != str(packaged) and writable(path, mode)
-luts.use_writable_folder()
-os.access = writable
-mine = luts.user_folder()
+luts.use_bake_folder()
+mine = settings.granted_folder("luts")
 assert tables.folder() == mine != packaged and os.environ["BLENDER_USER_RESOURCES"] in str(mine)
 assert luts.problem(tables.TABLES) is None, "until it is baked anew, every table is a copy"
 addon.unregister()
 assert tables.folder() == packaged
 addon.register()
-assert tables.folder() == mine, "the user's own tables are found again"
+assert tables.folder() == mine and luts.folder_problem is None, "the user's own tables are found again"
 addon.unregister()
 (mine / "blinn_plain.exr").write_bytes(b"half a table")
 addon.register()
 assert tables.folder() == packaged, "a damaged set of tables is not used"
+assert "blinn_plain.exr" in luts.folder_problem and "The shipped tables are used" in luts.folder_problem
+luts.use_bake_folder()
+assert tables.folder() == mine and luts.problem(tables.TABLES) is None, "a bake mends the set"
+assert bpy.ops.plausible.shipped_luts() == {"FINISHED"}
+assert tables.folder() == packaged and not list(mine.iterdir()) and luts.own_tables() is None
 addon.unregister()
 """
 
 
-def test_tables_of_a_read_only_installation_go_to_the_users_folder(package, tmp_path):
-    run_blender(tmp_path, READ_ONLY, package)
+def test_baked_tables_go_to_the_users_folder(package, tmp_path):
+    run_blender(tmp_path, OWN_TABLES, package)
+
+
+CHOSEN = """
+import pathlib, shutil
+addon = install(sys.argv[1])
+from bl_ext.user_default.plausible_brdf.addon.blender import luts
+from bl_ext.user_default.plausible_brdf.addon.brdf import tables
+preferences = bpy.context.preferences.addons["bl_ext.user_default.plausible_brdf"].preferences
+packaged, here = tables.folder(), pathlib.Path("mine").absolute()
+preferences.lut_folder = str(here)
+assert tables.folder() == packaged and "no such folder" in luts.folder_problem and str(here) in luts.folder_problem
+try:
+    bpy.ops.plausible.bake_luts(models={"pumped_phong"})
+except RuntimeError as error:
+    assert "no such folder" in str(error), error
+here.mkdir()
+shutil.copy(packaged / "phong_plain.exr", here)
+preferences.lut_folder = str(here)
+assert tables.folder() == packaged and "lacks phong_controlled.exr, blinn_plain.exr" in luts.folder_problem
+assert bpy.ops.plausible.bake_luts(models={"edwards_fit"}, resolution="draft", highest=2.0) == {"FINISHED"}
+assert tables.folder() == here and luts.folder_problem is None, "a bake fills the folder"
+assert tables.in_use("disk_volume").span == (0.0, 2.0)
+preferences.lut_folder = ""
+assert tables.folder() == packaged and luts.folder_problem is None and tables.in_use("disk_volume").span == (0.0, 1e5)
+
+# What new materials begin with; Python's own do not ask.
+preferences.samples, preferences.light_spread = 7, 0.5
+bpy.ops.mesh.primitive_plane_add()
+assert bpy.ops.plausible.new_material(model="phong") == {"FINISHED"}
+made = bpy.context.object.active_material.plausible_brdf
+assert (made.samples, made.light_spread) == (7, 0.5)
+made = addon.create_material("phong").plausible_brdf
+assert (made.samples, made.light_spread) == (4, 1.0)
+addon.unregister()
+"""
+
+
+def test_preferences_take_effect_at_once(package, tmp_path):
+    run_blender(tmp_path, CHOSEN, package)
+
+
+# A stand-in for weights, which take seconds to bake.
+CACHE = """
+if not os.path.isdir(os.path.join(os.environ["BLENDER_USER_RESOURCES"], "extensions/user_default/plausible_brdf")):
+    install(sys.argv[1])
+else:
+    import addon_utils
+    assert addon_utils.enable("bl_ext.user_default.plausible_brdf", default_set=True)
+addon = sys.modules["bl_ext.user_default.plausible_brdf.addon"]
+from bl_ext.user_default.plausible_brdf.addon.baking import weights, weights_error
+from bl_ext.user_default.plausible_brdf.addon.blender import cache, groups, nodes, settings
+import numpy as np
+calls, blank = [], weights.blank
+weights.weights = lambda model, p: calls.append("weights") or blank(model, p)
+known = weights_error.WeightsError(np.zeros(1), np.array([0.0125]), np.array([-0.001]))
+weights_error.error = lambda model, p: calls.append("error") or known
+material = addon.create_material("ward", roughness_u=0.25)
+folder = settings.granted_folder("cache")
+assert len(list(folder.iterdir())) == 2 and cache.size() > 100
+assert nodes.baked_error(nodes.find_node(material)) == (0.0125, 0.001)
+text = groups.script_of(nodes.find_node(material)).bytecode
+preferences = bpy.context.preferences.addons["bl_ext.user_default.plausible_brdf"].preferences
+found = {"calls": calls[:], "bytes": len(text)}
+if len(sys.argv) > 2:
+    for path in folder.iterdir():
+        path.write_bytes(path.read_bytes()[:-3])
+    cache._memory.clear()
+    addon.create_material("ward", roughness_u=0.25)
+    assert len(calls) == len(found["calls"]) + 2, "what is damaged is baked anew"
+    assert bpy.ops.plausible.clear_cache() == {"FINISHED"} and cache.size() == 0 and not list(folder.iterdir())
+    addon.create_material("ward", roughness_u=0.25)
+    assert cache.size() > 0
+    preferences.cache_limit = 0
+    assert cache.size() == 0, "no limit, no cache"
+    addon.create_material("ward", roughness_u=0.25)
+    assert cache.size() == 0
+addon.unregister()
+print(json.dumps(found))
+"""
+
+
+def test_what_is_baked_is_kept_for_the_next_session(package, tmp_path):
+    first = run_blender(tmp_path, CACHE, package)
+    assert first["calls"] == ["weights", "error"]
+    assert run_blender(tmp_path, CACHE, package, "spoil") == {"calls": [], "bytes": first["bytes"]}
+
+
+SESSION = """
+import pathlib, tempfile
+profile = pathlib.Path(os.environ["BLENDER_USER_RESOURCES"])
+assert pathlib.Path.cwd() in pathlib.Path(tempfile.gettempdir()).parents
+addon = install(sys.argv[1])
+own = profile / "extensions/.user/user_default/plausible_brdf"
+
+def listing():
+    found = {}
+    for path in pathlib.Path.cwd().rglob("*"):
+        if own not in (path, *path.parents) and "__pycache__" not in path.parts:
+            found[str(path)] = path.read_bytes() if path.is_file() else None
+    return found
+
+before = listing()
+assert not own.exists(), "nothing is made before it is needed"
+from bl_ext.user_default.plausible_brdf.addon.baking import weights, weights_error
+import numpy as np
+blank, known = weights.blank, weights_error.WeightsError(np.zeros(1), np.array([0.01]), np.array([0.0]))
+weights.weights, weights_error.error = lambda model, p: blank(model, p), lambda model, p: known
+addon.create_material("ward")
+addon.create_material("pumped_phong")
+assert bpy.ops.plausible.bake_luts(models={"edwards_fit"}, resolution="draft", highest=2.0) == {"FINISHED"}
+after = listing()
+changed = {path for path in before.keys() | after.keys() if before.get(path) != after.get(path)}
+assert changed <= {str(own.parent.parent), str(own.parent)}, changed  # Blender's, for all extensions
+assert {path.name for path in own.iterdir()} == {"cache", "luts"}
+
+repos = bpy.context.preferences.extensions.repos
+index = next(i for i, repo in enumerate(repos) if repo.module == "user_default")
+assert bpy.ops.extensions.package_uninstall(repo_index=index, pkg_id="plausible_brdf") == {"FINISHED"}
+left = [str(path) for path in profile.rglob("*") if "plausible" in path.name]
+assert not left, left
+assert not any("plausible" in name for name in bpy.context.preferences.addons.keys())
+assert not [name for name in dir(bpy.types) if "plausible" in name.lower()]
+assert not hasattr(bpy.types.Material, "plausible_brdf") and not dir(bpy.ops.plausible)
+"""
+
+
+def test_a_session_writes_to_its_own_folder_and_uninstalling_removes_it(package, tmp_path):
+    """Compared are the profile, the folders for temporary files and for the user's, and the one that it runs in."""
+    temporary, home = tmp_path / "tmp", tmp_path / "home"
+    temporary.mkdir()
+    home.mkdir()
+    run_blender(tmp_path, SESSION, package, TMPDIR=str(temporary), HOME=str(home), XDG_CONFIG_HOME=str(home))
+
+
+ENABLE = """
+import addon_utils, time
+assert bpy.ops.extensions.package_install_files(
+    filepath=sys.argv[1], repo="user_default", enable_on_install=False) == {"FINISHED"}
+began = time.process_time()
+assert addon_utils.enable("bl_ext.user_default.plausible_brdf", default_set=True)
+seconds = time.process_time() - began
+sys.modules["bl_ext.user_default.plausible_brdf"].unregister()
+print(json.dumps({"seconds": seconds}))
+"""
+
+
+def test_enabling_is_quick_and_the_zip_is_small(package, tmp_path):
+    """Of the processor's time, as others may be at work here; its code is read for the first time."""
+    assert 0.0 < run_blender(tmp_path, ENABLE, package)["seconds"] < 0.3
+    assert 1e6 < package.stat().st_size < 10e6
 
 
 FAILING = """

@@ -109,7 +109,8 @@ def test_compiled_source_holds_the_tables(model):
         axes = re.search(rf"#define AXES_{mode.upper()} Axes\((.*)\)", text)[1]
         c, r = table.columns, table.rows
         assert [float(x) for x in axes.split(",")] == [c.columns, c.grazing, c.normal, r.rows, r.density, r.law,
-                                                       table.stamp, isinstance(c, SineAxis), table.height]
+                                                       table.stamp, isinstance(c, SineAxis), table.height,
+                                                       1.0, 100000.0]
 
 
 @pytest.mark.parametrize("model", WRITTEN.values(), ids=list(WRITTEN))

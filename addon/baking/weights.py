@@ -101,13 +101,14 @@ class Weights:
 
 
 def weights(model, parameters: dict) -> Weights:
-    """Weights of a model for its parameters; the last few are kept.
+    """Weights of a model for its parameters, in the precision of sockets; the last few are kept.
 
     Raises ValueError where the formula gives what is no reflectance: numbers that are negative or not finite.
     """
     p = model.resolve(parameters)
     used = [q for q in model.parameters if q.evaluated]
-    return _weights(model, tuple(sorted((q.id, p[q.id]) for q in used)), tuple(q.stamp(p[q.id]) for q in used))
+    key = tuple(sorted((q.id, q.single(p[q.id])) for q in used))
+    return _weights(model, key, tuple(q.stamp(p[q.id]) for q in used))
 
 
 def blank(model, parameters: dict) -> Weights:

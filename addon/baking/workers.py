@@ -1,6 +1,5 @@
 """Jobs over several processes, in order."""
 import os
-from concurrent.futures import ProcessPoolExecutor
 
 
 def mapped(function, jobs, workers=None):
@@ -12,6 +11,8 @@ def mapped(function, jobs, workers=None):
     if workers == 1:
         yield from map(function, jobs)
         return
+    from concurrent.futures import ProcessPoolExecutor  # takes long to import, and is not needed inside Blender
+
     with ProcessPoolExecutor(workers) as pool:
         try:
             yield from pool.map(function, jobs, chunksize=4)

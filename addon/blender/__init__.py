@@ -9,6 +9,8 @@ def _modules():
     from . import (
         add_menu,
         asset_library,
+        bakes,
+        cache,
         energy,
         furnace_test,
         luts,
@@ -22,8 +24,8 @@ def _modules():
         watch,
     )
 
-    return (properties, operators, switches, add_menu, panels, energy, furnace_test, preferences, luts, rebake, upgrade,
-            watch, asset_library)
+    return (properties, operators, switches, add_menu, bakes, panels, energy, furnace_test, preferences, cache, luts,
+            rebake, upgrade, watch, asset_library)
 
 
 def register():

@@ -15,6 +15,7 @@ from ..version import VERSION
 from . import osl, stand_in
 
 MODEL_KEY, LUT_KEY, VERSION_KEY = "plausible_model", "plausible_lut", "plausible_version"  # of a group
+SPANS_KEY = "plausible_spans"  # of a group: the exponents that the tables compiled into it are baked for
 BSDF, STAND_IN = "BSDF", "Stand-in"  # outputs
 _KINDS = {"float": "NodeSocketFloat", "int": "NodeSocketInt", "enum": "NodeSocketInt", "bool": "NodeSocketBool",
           "color": "NodeSocketColor", "vector": "NodeSocketVector"}
@@ -82,6 +83,8 @@ def load(node, parameters: dict | None = None):
     A group that other nodes use, too, is left to them, and the node gets a copy. Raises as `osl.compile_model`.
     """
     put(node, osl.compile_model(model_of(node), lut_of(node), parameters))
+    if model_of(node).tables:
+        node.node_tree[SPANS_KEY] = source.spans(model_of(node))
 
 
 def put(node, bytecode):
@@ -117,6 +120,7 @@ def _shared(model, bytecode, lut):
 def _new_group(model, bytecode, lut):
     tree = bpy.data.node_groups.new(model.label, "ShaderNodeTree")
     tree[MODEL_KEY], tree[LUT_KEY], tree[VERSION_KEY] = model.id, lut, VERSION
+    tree[SPANS_KEY] = source.spans(model)
     if hasattr(tree, "description"):
         tree.description = model.description
     script = osl.add_script_node(tree, model, bytecode, lut)

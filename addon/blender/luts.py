@@ -2,55 +2,105 @@
 import os
 import shutil
 import threading
+import time
 from pathlib import Path
 
-import bpy
-
-from ..baking import bake
+from ..baking import bake, sizes
 from ..brdf import tables
-
-# "bl_ext.<repository>.plausible_brdf" inside Blender; "addon" where the package is imported by itself.
-ROOT_PACKAGE = __package__.rsplit(".", 2)[0]
+from . import settings
 
 job = None  # the bake that runs, or the last one since Blender started
+folder_problem = None  # why the folder that the user chose, or the tables baked here, are not used
 _problems = {}
 
 
-def user_folder(create=False):
-    """The folder for tables that Blender grants this extension, as a Path; None outside of Blender's extensions."""
-    if not ROOT_PACKAGE.startswith("bl_ext."):
-        return None
-    return Path(bpy.utils.extension_path_user(ROOT_PACKAGE, path="luts", create=create))
+def choose_folder():
+    """Use the folder that the user chose, else the tables that were baked here, else those of the package.
+
+    A folder that lacks a table, or has one that is not of this version, is not used, and `folder_problem` says why.
+    """
+    global folder_problem
+    folder_problem = None
+    wanted = [folder for folder in (_chosen(), own_tables()) if folder is not None]
+    for folder in wanted:
+        amiss = _amiss(folder)
+        if amiss is None:
+            return
+        folder_problem = folder_problem or amiss
+    tables.use_folder()
+    if folder_problem:
+        folder_problem += ". The shipped tables are used"
 
 
 def start():
-    """Use the user's own tables where they are whole and of this version, else the packaged ones."""
-    folder = user_folder()
+    """Look for tables."""
+    choose_folder()
+
+
+def _chosen():
+    chosen = settings.lut_folder()
+    return Path(chosen) if chosen else None
+
+
+def own_tables():
+    """The folder of tables that were baked here, or None where none were."""
+    folder = settings.granted_folder("luts")
+    return folder if folder is not None and any(folder.glob("*.exr")) else None
+
+
+def _amiss(folder):
+    """Use a folder; returns what is wrong with it, or None."""
     tables.use_folder(folder)
-    if folder is None:
-        return
+    if not folder.is_dir():
+        return f"{folder}: there is no such folder"
+    missing = [table.path.name for table in tables.TABLES.values() if not table.path.exists()]
+    if missing:
+        return f"{folder} lacks {', '.join(missing)}; a bake fills it"
     try:
-        for table in tables.TABLES.values():
-            tables.load(table)
-    except tables.TableError:
-        tables.use_folder()
+        for name in tables.TABLES:
+            tables.in_use(name)
+    except tables.TableError as error:
+        return str(error)
+    return None
 
 
-def use_writable_folder():
-    """Make sure that the tables in use can be replaced.
+def use_bake_folder():
+    """Use the folder that a bake writes to: the user's choice, else what Blender grants us, else the folder in use.
 
-    Where their folder is read-only (an extension installed for all users) they are copied to the user's own: until the
-    first bake is complete, and after one that is cancelled, every table is still there. Raises OSError.
+    Tables that it lacks are copied there, and so are those that are not usable in our own: until a bake is complete,
+    and after one that is cancelled, every table is there. Raises OSError that says what to do.
     """
-    source = tables.folder()
-    target = user_folder(create=True)
-    if target is None or os.access(source, os.W_OK):
+    source, chosen = tables.folder(), _chosen()
+    if chosen is not None and not chosen.is_dir():
+        raise NotADirectoryError(f"{chosen}: there is no such folder; choose another in the preferences, or none")
+    target = chosen or settings.granted_folder("luts", create=True)
+    if target is None or target == source:
         return
-    for table in tables.TABLES.values():
-        copy = target / table.path.name
-        if table.path.exists() and not copy.exists():
-            shutil.copyfile(table.path, copy)
+    bake.require_writable(target)
     tables.use_folder(target)
+    for name, table in tables.TABLES.items():
+        original = source / table.path.name
+        if original.exists() and (problem([name]) if chosen is None else not table.path.exists()):
+            _copy(original, table.path)
+    tables.forget()
+
+
+def _copy(original, path):
+    """Copy a table beside `path`, and rename it when it is whole."""
+    beside = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        shutil.copyfile(original, beside)
+        beside.replace(path)
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def delete_own():
+    """Delete the tables that were baked here, and use the others. Raises OSError."""
+    folder = own_tables()
+    for path in folder.glob("*.exr") if folder else ():
+        path.unlink(missing_ok=True)
+    choose_folder()
 
 
 def problem(names):
@@ -67,7 +117,7 @@ def problem(names):
             key = (table.path, None, None)
         if key not in _problems:
             try:
-                tables.load(table)
+                tables.in_use(name)
                 _problems[key] = None
             except tables.TableError as error:
                 _problems[key] = str(error)
@@ -80,19 +130,21 @@ class BakeJob:
     """A bake in a thread of its own, so that Blender stays responsive; the thread never touches bpy.
 
     More processes would be faster, but inside Blender each of them would be another Blender.
-    `done` and `total` count rows, `table` is the one in work, `error` what ended the bake early.
+    `done` and `total` count steps, `table` is the one in work, `error` what ended the bake early.
     """
 
-    def __init__(self, names=None):
-        self.names = list(names or tables.TABLES)
+    def __init__(self, names=None, size=sizes.STANDARD):
+        self.names, self.size = list(names or tables.TABLES), size
         self.done, self.total, self.table = 0, 1, self.names[0]
         self.error, self.cancelled = None, False
+        self._began = self._ended = None
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="Plausible BRDF bake", daemon=True)
 
     def start(self):
         """Begin. Raises OSError when no folder for the tables can be written."""
-        use_writable_folder()
+        use_bake_folder()
+        self._began = time.monotonic()
         self._thread.start()
 
     def cancel(self):
@@ -117,8 +169,18 @@ class BakeJob:
         """Part done, 0..1."""
         return self.done / self.total
 
+    @property
+    def seconds(self):
+        """How long it has run, or ran."""
+        return (self._ended or time.monotonic()) - self._began
+
+    @property
+    def seconds_left(self):
+        """How long it will go on, should the rest take as long as what is done."""
+        return self.seconds * (self.total / max(self.done, 1) - 1.0)
+
     def _run(self):
-        rows = bake.bake(self.names, workers=1)
+        rows = bake.bake(self.names, workers=1, size=self.size)
         try:
             for self.done, self.total, self.table in rows:  # noqa: B020
                 if self._stop.is_set():
@@ -129,14 +191,16 @@ class BakeJob:
         finally:
             rows.close()
             tables.forget()
+            self._ended = time.monotonic()
 
 
 def stop():
     """End the bake that runs, wait for it, and go back to the packaged tables."""
-    global job
+    global job, folder_problem
     if job is not None:
         job.cancel()
         job.wait()
         job = None
+    folder_problem = None
     _problems.clear()
     tables.use_folder()

@@ -2,6 +2,7 @@
 import bpy
 
 from .. import brdf
+from ..brdf import tables
 from ..fitting import match
 from ..shading import source
 from . import groups, osl, rebake, stand_in
@@ -20,10 +21,12 @@ def create_material(model_id: str, name: str | None = None, lut: str = source.CO
     OSL must be switched on in the scene that renders it: see `use_osl`.
 
     Raises ValueError for an unknown model or parameter and for a value out of range, brdf.TableError when an albedo
-    table is missing, stale or damaged, osl.OslError when this Blender has no OSL.
+    table is missing, stale, damaged or not baked for this exponent, osl.OslError when this Blender has no OSL.
     """
     model = brdf.find_model(model_id)
-    model.resolve(parameters)
+    resolved = model.resolve(parameters)
+    for table, exponent in model.readings(resolved) if lut == source.COMPILED else ():
+        tables.require(table, exponent)
     osl.compile_model(model, lut, parameters)  # before anything is made: a failure leaves no half material behind
     material = bpy.data.materials.new(name or model.label)
     if material.node_tree is None:  # 5.x materials are born with one, and warn when asked for it

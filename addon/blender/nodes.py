@@ -4,7 +4,7 @@ import json
 import bpy
 
 from ..baking import weights_error
-from . import groups, osl, stand_in
+from . import cache, groups, osl, stand_in
 from .groups import model_of
 from .replace import curves
 
@@ -112,7 +112,8 @@ def note_values(node, error: tuple | None = None):
     if model.baked:
         given = values(node)
         node.node_tree[BAKED_KEY] = _values_text(node)
-        node.node_tree[ERROR_KEY] = error or weights_error.error(model, given).largest()
+        node.node_tree[ERROR_KEY] = cache.fetch(cache.key(model, given, "error"), lambda: error or weights_error.error(
+            model, given).largest())
         show(node)
 
 

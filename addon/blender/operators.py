@@ -1,19 +1,16 @@
-"""Operators: new materials, metals, switching OSL on, and baking the albedo tables."""
+"""Operators: new materials, metals, and switching OSL on."""
 import functools
-import time
 
 import bpy
 
 from ..brdf import MODELS
 from ..brdf.metals import METALS
 from ..brdf.presets import PRESETS
-from . import luts, materials, nodes, osl, upgrade
-from .areas import redraw
+from . import materials, nodes, osl, settings, upgrade
 from .properties import MODEL_ITEMS
 
 _PRESET_ITEMS = [(name, preset.label, preset.help, i) for i, (name, preset) in enumerate(PRESETS.items())]
 _METAL_ITEMS = [(name, metal.label, metal.reference, i) for i, (name, metal) in enumerate(METALS.items())]
-_TICK = 0.1  # seconds between two looks at a bake
 
 
 def reporting(execute):
@@ -73,7 +70,7 @@ class PLAUSIBLE_OT_new_material(bpy.types.Operator):
 
     @reporting
     def execute(self, context):
-        material = materials.create_material(self.model)
+        material = materials.create_material(self.model, **settings.for_new(MODELS[self.model]))
         _put_on(context.object, material)
         if materials.use_osl(context.scene):
             self.report({"INFO"}, f"{material.name}: Open Shading Language is now on for this scene")
@@ -247,105 +244,6 @@ class PLAUSIBLE_MT_presets(bpy.types.Menu):
             self.layout.operator("plausible.apply_preset", text=preset.label).preset = name
 
 
-class PLAUSIBLE_OT_bake_luts(bpy.types.Operator):
-    """Compute the albedo tables anew, which takes a minute or two. Blender stays usable meanwhile; Escape cancels"""
-
-    bl_idname = "plausible.bake_luts"
-    bl_label = "Bake LUTs"
-
-    @classmethod
-    def poll(cls, context):
-        if luts.job is not None and luts.job.running:
-            cls.poll_message_set("A bake is running")
-            return False
-        return True
-
-    def invoke(self, context, event):
-        if not self._start():
-            return {"CANCELLED"}
-        self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
-        context.window_manager.progress_begin(0, 100)
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context, event):
-        if event.type == "ESC" and event.value == "PRESS":
-            luts.job.cancel()
-        if event.type != "TIMER" or luts.job is None:
-            return {"PASS_THROUGH"}
-        context.window_manager.progress_update(100 * luts.job.share)
-        context.workspace.status_text_set(f"{progress_text(luts.job)}   Esc: cancel")
-        redraw()
-        if luts.job.running:
-            return {"PASS_THROUGH"}
-        self._leave(context)
-        return self._end()
-
-    def execute(self, context):
-        """Bake to the end before returning: for scripts and background mode, where nothing is modal."""
-        if not self._start():
-            return {"CANCELLED"}
-        luts.job.wait()
-        return self._end()
-
-    def cancel(self, context):
-        """Blender ends the operator, as when another file is opened."""
-        if luts.job is not None:
-            luts.job.cancel()
-        self._leave(context)
-
-    def _start(self):
-        self._began = time.monotonic()
-        luts.job = luts.BakeJob()
-        try:
-            luts.job.start()
-        except OSError as error:
-            luts.job = None
-            self.report({"ERROR"}, f"The albedo tables cannot be written: {error}")
-            return False
-        return True
-
-    def _leave(self, context):
-        context.window_manager.event_timer_remove(self._timer)
-        context.window_manager.progress_end()
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
-        redraw()
-
-    def _end(self):
-        if luts.job.error is not None:
-            self.report({"ERROR"}, f"The bake failed: {luts.job.error}")
-            return {"CANCELLED"}
-        if luts.job.cancelled:
-            self.report({"WARNING"}, "The bake is cancelled; tables that were not complete are as they were")
-            return {"CANCELLED"}
-        seconds = time.monotonic() - self._began
-        self.report({"INFO"}, f"{len(luts.job.names)} tables baked in {seconds:.0f} s. Materials keep the tables that "
-                              "are compiled into them until Update Materials")
-        return {"FINISHED"}
-
-
-def progress_text(job) -> str:
-    """What the bake is doing, for panel and status bar."""
-    return "Cancelling" if job.cancelling else f"Baking {job.table.replace('_', ' ')}, {100 * job.share:.0f} %"
-
-
-class PLAUSIBLE_OT_cancel_bake(bpy.types.Operator):
-    """End the bake; tables that are not complete keep their old files"""
-
-    bl_idname = "plausible.cancel_bake"
-    bl_label = "Cancel"
-    bl_options = {"INTERNAL"}
-
-    @classmethod
-    def poll(cls, context):
-        return luts.job is not None and luts.job.running
-
-    def execute(self, context):
-        luts.job.cancel()
-        return {"FINISHED"}
-
-
 class PLAUSIBLE_OT_upgrade(bpy.types.Operator):
     """Bring all nodes that an earlier version of the extension made up to this one; values, links and keyframes stay"""
 
@@ -388,5 +286,5 @@ CLASSES = (
     PLAUSIBLE_OT_new_material, PLAUSIBLE_OT_use_osl, PLAUSIBLE_OT_set_metal, PLAUSIBLE_MT_metals,
     PLAUSIBLE_OT_apply_preset, PLAUSIBLE_OT_convert, PLAUSIBLE_MT_convert, PLAUSIBLE_OT_bake_weights,
     PLAUSIBLE_MT_presets,
-    PLAUSIBLE_OT_bake_luts, PLAUSIBLE_OT_cancel_bake, PLAUSIBLE_OT_upgrade, PLAUSIBLE_OT_update_materials,
+    PLAUSIBLE_OT_upgrade, PLAUSIBLE_OT_update_materials,
 )

@@ -8,6 +8,7 @@ import bpy
 
 from ..baking import weights
 from ..shading import source
+from . import cache
 
 # A switch is an int to OSL, and Blender 5.0 ends on a truth value that goes from a group into a Script node.
 SOCKETS = {"float": "NodeSocketFloat", "int": "NodeSocketInt", "enum": "NodeSocketInt", "bool": "NodeSocketInt",
@@ -38,7 +39,15 @@ def compile_model(model, lut: str = source.COMPILED, parameters: dict | None = N
     reason = unavailable()
     if reason:
         raise OslError(reason)
+    if model.baked:
+        return cache.fetch(cache.key(model, parameters or {}, "shader"),
+                           lambda: _compile(model, source.assemble(model, lut, parameters)))
     return _compiled_once(model, source.assemble(model, lut, parameters))
+
+
+def is_kept(model, parameters: dict) -> bool:
+    """Whether the shader of a baked model for its parameters is at hand, so that `compile_model` takes no time."""
+    return cache.holds(cache.key(model, parameters, "shader")) and cache.holds(cache.key(model, parameters, "error"))
 
 
 def check_model(model):

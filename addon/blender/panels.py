@@ -5,7 +5,7 @@ import bpy
 
 from ..brdf.disk_model import DiskModel
 from ..brdf.parameters import COLOR, LOBE, RETROREFLECTION
-from . import luts, operators, rebake, status, switches
+from . import bakes, luts, rebake, status, switches
 from .nodes import animated, baked_error, driven, is_stale, socket_of, values
 from .operators import material_of, plausible_node
 from .properties import NAMES
@@ -35,21 +35,26 @@ def draw_notice(layout, context, notice):
     draw_text(box, context, notice.text, notice.icon)
     row = box.row(align=True)
     for cure in notice.cures:
-        if cure.operator == "plausible.bake_luts":
-            draw_bake(row)
+        if cure.operator == "plausible.choose_bake":
+            draw_bake(row, cure.settings.get("models"))
             continue
         button = row.operator(cure.operator, text=cure.label)
         for name, value in cure.settings.items():
             setattr(button, name, value)
 
 
-def draw_bake(layout):
-    """The bake's progress with a button to cancel it; without a bake, the button that begins one."""
+def draw_bake(layout, models=None):
+    """The bake's progress with a button to cancel it; without a bake, the button that asks what to bake.
+
+    `models` are those whose tables are proposed, by id; all when None.
+    """
     if luts.job is None or not luts.job.running:
-        layout.operator("plausible.bake_luts", icon="RENDER_STILL")
+        button = layout.operator("plausible.choose_bake", icon="RENDER_STILL")
+        if models:
+            button.models = models
         return
     row = layout.row(align=True)
-    row.progress(factor=luts.job.share, text=operators.progress_text(luts.job))
+    row.progress(factor=luts.job.share, text=bakes.progress_text(luts.job))
     row.operator("plausible.cancel_bake", text="", icon="X")
 
 
@@ -258,11 +263,24 @@ class _Tables(Face):
         return super().poll(context) and bool(plausible_node(material_of(context))[1].tables)
 
     def draw(self, context):
-        layout = self.layout
-        draw_bake(layout)
+        layout, model = self.layout, plausible_node(material_of(context))[1]
+        draw_tables(layout, context, model.tables)
+        draw_bake(layout, {model.id})
         layout.operator("plausible.update_materials", icon="FILE_REFRESH")
         if luts.job is not None and not luts.job.running and luts.job.error is None and not luts.job.cancelled:
             draw_text(layout, context, "Materials keep the tables compiled into them until they are updated", "INFO")
+
+
+def draw_tables(layout, context, names):
+    """What the tables in use are: their columns and rows, exponents and measured errors."""
+    if luts.folder_problem:
+        draw_text(layout, context, luts.folder_problem, "ERROR")
+    for name in names:
+        if luts.problem([name]) is None:
+            text, inexact = bakes.described(name)
+            draw_text(layout, context, text, "ERROR" if inexact else "CHECKMARK")
+    if luts.own_tables():
+        layout.operator("plausible.shipped_luts", icon="LOOP_BACK")
 
 
 class _InMaterialTab:

@@ -1,26 +1,85 @@
-"""The extension's preferences: where the albedo tables are, and baking them."""
+"""The extension's preferences: where the albedo tables are, what new materials begin with, and the cache."""
 import bpy
 
 from ..brdf import tables
-from . import luts, osl
-from .panels import draw_bake, draw_text
+from . import bakes, cache, luts, osl, settings
+from .panels import draw_bake, draw_tables, draw_text
+
+
+def _tables_moved(self, context):
+    luts.choose_folder()
+
+
+def _limit_changed(self, context):
+    cache.trim()
+
+
+def _declared(name):
+    """The keywords of a Blender property for a parameter that new materials begin with."""
+    parameter = settings.DEFAULTS[name]
+    kind = int if parameter.kind == "int" else float
+    return {"name": parameter.label, "description": f"{parameter.help}. New materials begin with it",
+            "min": kind(parameter.minimum), "max": kind(parameter.maximum), "default": kind(parameter.default)}
 
 
 class PlausiblePreferences(bpy.types.AddonPreferences):
-    """Where the albedo tables are, whether they are usable, and a button to bake them"""
+    """Where the albedo tables are, what new materials begin with, and the cache"""
 
-    bl_idname = luts.ROOT_PACKAGE
+    bl_idname = settings.ROOT_PACKAGE
+
+    lut_folder: bpy.props.StringProperty(
+        name="LUT Folder", description="Folder that albedo tables are read from and baked to. Empty: a folder of the "
+        "extension's own once there are tables baked here, else the shipped ones", subtype="DIR_PATH",
+        update=_tables_moved)
+    samples: bpy.props.IntProperty(**_declared("samples"))
+    light_spread: bpy.props.FloatProperty(**_declared("light_spread"))
+    cache_limit: bpy.props.IntProperty(
+        name="Cache Limit (MB)", description="What was baked for materials is kept, and need not be baked again; what "
+        "was not used for longest is dropped beyond this. 0 keeps nothing", min=0, max=100_000,
+        default=settings.CACHE_LIMIT, update=_limit_changed)
 
     def draw(self, context):
         layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
         reason = osl.unavailable()
         if reason:
             draw_text(layout, context, reason, "ERROR")
-        problem = luts.problem(tables.TABLES)
-        if problem:
-            draw_text(layout, context, problem, "ERROR")
-        draw_text(layout, context, f"Albedo tables: {tables.folder()}", "FILE_FOLDER")
-        draw_bake(layout)
+        layout.prop(self, "lut_folder")
+        draw_all_tables(layout, context)
+        column = layout.column(heading="New Materials")
+        column.prop(self, "samples")
+        column.prop(self, "light_spread")
+        layout.prop(self, "cache_limit")
+        row = layout.row()
+        row.label(text=f"Cache: {cache.size() / 1e6:.1f} MB")
+        row.operator("plausible.clear_cache", icon="TRASH")
+        layout.operator("wm.url_open", text="Documentation", icon="HELP").url = settings.MANUAL.as_uri()
 
 
-CLASSES = (PlausiblePreferences,)
+def draw_all_tables(layout, context):
+    """Where the albedo tables are, what they are, and what is wrong with them."""
+    problem = luts.problem(tables.TABLES)
+    if problem:
+        draw_text(layout, context, problem, "ERROR")
+    draw_text(layout, context, f"Albedo tables: {tables.folder()}", "FILE_FOLDER")
+    draw_tables(layout, context, tables.TABLES)
+    draw_bake(layout)
+
+
+class PLAUSIBLE_OT_clear_cache(bpy.types.Operator):
+    """Delete what was baked for materials and is kept on disk; materials keep what they have"""
+
+    bl_idname = "plausible.clear_cache"
+    bl_label = "Clear"
+
+    def execute(self, context):
+        try:
+            cache.clear()
+        except OSError as error:
+            self.report({"ERROR"}, f"The cache cannot be deleted: {bakes.in_words(error)}")
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+CLASSES = (PLAUSIBLE_OT_clear_cache, PlausiblePreferences)

@@ -4,7 +4,7 @@ import threading
 import bpy
 
 from ..baking import weights, weights_error
-from . import nodes
+from . import nodes, osl
 from .areas import redraw
 
 REST = 0.3  # seconds that values rest before their weights are baked
@@ -55,6 +55,9 @@ class _Job:
         if self.work is not None and self.work.is_alive():
             return _TICK
         values = nodes.values(node)
+        if osl.is_kept(nodes.model_of(node), values):
+            nodes.bake_weights(node)
+            return self._end()
         if self.work is None or self.work.values != values:
             self.work = _Work(nodes.model_of(node), values)
             self.work.start()

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from ..brdf import tables
-from . import luts, nodes, osl, switches, upgrade
+from . import groups, luts, nodes, osl, switches, upgrade
 
 OLDEST = (4, 2, 0)
 
@@ -40,7 +40,7 @@ def notices(context, node=None, material=None) -> list:
     model = None if node is None else nodes.model_of(node)
     found = [_tables(model), _older(material)]
     if model is not None:
-        stands = [_native(node)] if switches.is_native(node) else [_osl_off(scene), _wrong_device(scene)]
+        stands = [_native(node)] if switches.is_native(node) else [_osl_off(scene), _wrong_device(scene), _beyond(node)]
         found = [_engine(scene), *stands, _newer(node), *found]
     return [notice for notice in found if notice is not None]
 
@@ -109,4 +109,20 @@ def _older(material):
 
 def _tables(model):
     text = luts.problem(tables.TABLES if model is None else model.tables)
-    return text and Notice(text, Cure("plausible.bake_luts", "Bake LUTs"))
+    models = {} if model is None else {"models": {model.id}}
+    return text and Notice(text, Cure("plausible.choose_bake", "Bake LUTs", models))
+
+
+def _beyond(node):
+    """The notice for a material whose exponent is not one that the tables compiled into it are baked for, or None."""
+    model, spans = groups.model_of(node), node.node_tree.get(groups.SPANS_KEY)
+    for name, exponent in model.readings(model.resolve(nodes.values(node))) if spans else ():
+        span = spans.get(name)
+        if span is None or tables.covers(span, exponent):
+            continue
+        text = (f"Exponent {exponent:.6g} is beyond the material's tables, which are for {span[0]:g} to {span[1]:g}: "
+                "it renders striped")
+        if luts.problem([name]) is None and tables.covers(tables.in_use(name).span, exponent):
+            return Notice(text, Cure("plausible.update_materials", "Update Materials"))
+        return Notice(text, Cure("plausible.choose_bake", "Bake LUTs", {"models": {model.id}}))
+    return None

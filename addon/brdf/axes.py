@@ -1,7 +1,8 @@
 """Axes of the albedo tables: where the nodes lie, and how a point between them is read.
 
-Rows: evenly in n^-density from 1 to 100000: nearly logarithmic, but denser towards small n, where control sets in or
-not. Between two rows the reading is linear in n^-law, the law of the grazing albedo at large n.
+Rows: evenly in n^-density over the table's range of exponents, which is 1 to 100000 where it is whole: nearly
+logarithmic, but denser towards small n, where control sets in or not. Between two rows the reading is linear in n^-law,
+the law of the grazing albedo at large n.
 
 Columns: an albedo changes over angles of the lobe's width 1/sqrt(n) from grazing (and Blinn's also from the normal),
 so the nodes crowd there at every exponent in the same proportion. Between two columns the reading is linear in the law
@@ -70,27 +71,41 @@ class SineAxis(ColumnAxis):
 
 @dataclass(frozen=True)
 class RowAxis:
-    """Rows of one table: row j lies at n^-density = 1 - (1 - 100000^-density) j / (rows - 1)."""
+    """Rows of one table: row j lies at n^-density = a - (a - b) j / (rows - 1), a that of `lowest`, b of `highest`."""
 
     rows: int
     density: float
     law: float
+    lowest: float = MIN_EXPONENT
+    highest: float = MAX_EXPONENT
 
-    def _step(self):
-        return (1.0 - MAX_EXPONENT**-self.density) / (self.rows - 1)
+    def __repr__(self):
+        """As a call. A whole range goes without saying: tables are stamped by this text."""
+        end = "" if self.is_whole else f", lowest={self.lowest!r}, highest={self.highest!r}"
+        return f"RowAxis(rows={self.rows!r}, density={self.density!r}, law={self.law!r}{end})"
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the rows cover all exponents that there are."""
+        return (self.lowest, self.highest) == (MIN_EXPONENT, MAX_EXPONENT)
+
+    def _start_and_step(self):
+        start = self.lowest**-self.density
+        return start, (start - self.highest**-self.density) / (self.rows - 1)
 
     def exponents(self) -> np.ndarray:
-        """Exponents of the rows, shape (rows,), ascending from 1 to 100000."""
-        n = (1.0 - np.arange(self.rows) * self._step()) ** (-1.0 / self.density)
-        n[0], n[-1] = MIN_EXPONENT, MAX_EXPONENT
+        """Exponents of the rows, shape (rows,), ascending from `lowest` to `highest`."""
+        start, step = self._start_and_step()
+        n = (start - np.arange(self.rows) * step) ** (-1.0 / self.density)
+        n[0], n[-1] = self.lowest, self.highest
         return n
 
     def position(self, exponent: float) -> float:
         """Row number of an exponent: the cell's index plus how far into it the reading is."""
-        n = min(max(float(exponent), MIN_EXPONENT), MAX_EXPONENT)
-        step = self._step()
-        j = min(int((1.0 - n**-self.density) / step), self.rows - 2)
-        low, high = [(1.0 - row * step) ** (self.law / self.density) for row in (j, j + 1)]
+        n = min(max(float(exponent), self.lowest), self.highest)
+        start, step = self._start_and_step()
+        j = min(max(int((start - n**-self.density) / step), 0), self.rows - 2)
+        low, high = [(start - row * step) ** (self.law / self.density) for row in (j, j + 1)]
         return j + min(max((n**-self.law - low) / (high - low), 0.0), 1.0)
 
 

@@ -63,6 +63,10 @@ class DiskModel(Model):
             found.append((share, lump))
         return found
 
+    def readings(self, p) -> list:
+        """See `Model`."""
+        return [(tables.VolumeTable.name, p[rule.exponent]) for rule in self.lumps if p.get("renormalize")]
+
     def is_held(self, p) -> bool:
         """Whether a lump is shrunk already at normal incidence, or becomes so when seen from 60 degrees."""
         return any(max(p[name] for name in rule.radii) > (1.0 if rule.retro else disk.room(0.5))

@@ -39,6 +39,12 @@ class LobeModel(Model):
             values["exponent"] = exponent_of_roughness(values["roughness"])
         return values
 
+    def readings(self, p) -> list:
+        """See `Model`."""
+        if self.correction != "pumped" or p["pumps"] == 0.0:
+            return []
+        return [(f"{self.lobe.id}_{'controlled' if p.get('control') else 'plain'}", p["exponent"])]
+
     def _value(self, view, light, p):
         value = self.lobe.value(view, light, p["exponent"]) / self._correction(view[:, 2], light[:, 2], p)
         return value if fresnel.is_white(p) else value[:, None] * self._factor(dot(view, half(view, light)), p)

@@ -77,6 +77,12 @@ class Parameter:
             return tuple(held)
         return type(value)(min(max(value, self.minimum), self.maximum)) if value == value else self.default
 
+    def single(self, value):
+        """`value` as a socket holds it, in single precision; still within the range."""
+        if self.kind in ("color", "vector"):
+            value = tuple(float(np.float32(c)) for c in value)
+        return self.clamp(float(np.float32(value)) if self.kind == "float" else value)
+
     def stamp(self, value) -> tuple:
         """What changes with the file that `value` is the path of; () of any other kind, and where there is none."""
         return images.stamp(value) if self.kind == "image" and value else ()

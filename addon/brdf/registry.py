@@ -63,6 +63,10 @@ class Model:
             values[name] = self.parameter(name).check(value)
         return values
 
+    def readings(self, p) -> list:
+        """[(name of a table, exponent that it is read at)] for resolved parameters."""
+        return []
+
     def evaluate(self, view, light, **parameters) -> np.ndarray:
         """f(V, L) in 1/sr: (N,) where the model is white, else (N, 3). 0 below the horizon.
 

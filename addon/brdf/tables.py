@@ -4,17 +4,26 @@ A file is an RGBA float image between two marker rows. An albedo table has one r
 channels. The table of volumes has a block of such rows for every four radii, one in each channel. A marker
 holds (-1, stamp, 0 at the top or 1 at the bottom, format): no albedo is negative, the stamp belongs to the table's
 axes, and the third number tells a shader whether its texture call counts rows from the top or from the bottom.
+
+`TABLES` declares the standard axes. A table may be baked with more or fewer columns and rows, or for a part of the
+exponents: its file then says so in its metadata, and `in_use` gives the table with the axes of its file.
 """
+import json
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from . import axes, disk, exr
 from .axes import ColumnAxis, RowAxis, SineAxis
+from .parameters import MAX_EXPONENT, MIN_EXPONENT
 
 FORMAT = 1
+# Metadata: what may differ from the declared axes, the name of that choice, and the measured error.
+AXES, RESOLUTION, ERROR = "plausible:axes", "plausible:resolution", "plausible:error"
+SLACK = 1e-4  # part of an exponent by which it may be beyond a table's end: albedos change by no more than this there
+_MOST = 4096  # columns or rows
 PACKAGED = Path(__file__).resolve().parents[2] / "luts"
 _folder = PACKAGED
 
@@ -44,6 +53,25 @@ class Table:
         return self.rows.rows
 
     @property
+    def span(self) -> tuple:
+        """The least and the largest exponent that it can be read at."""
+        return self.rows.lowest, self.rows.highest
+
+    def told_axes(self) -> dict:
+        """What may differ from the declared axes, as a file's metadata say it."""
+        return {"columns": self.columns.columns, "rows": self.rows.rows, "lowest": self.rows.lowest,
+                "highest": self.rows.highest}
+
+    def with_axes(self, columns, rows, lowest, highest):
+        """This table with other axes. Raises ValueError that names a number that is not allowed."""
+        return replace(self, columns=replace(self.columns, columns=_count("columns", columns, 3)),
+                       rows=replace(self.rows, rows=_count("rows", rows, 2), **check_range(lowest, highest)))
+
+    def covering(self, lowest: float, highest: float) -> tuple:
+        """The ends of its rows with which it can be read at exponents from `lowest` to `highest`."""
+        return lowest, highest
+
+    @property
     def stamp(self) -> float:
         """A number in 0..1 that changes with the axes, the lobe or the format; exact in float32."""
         return (zlib.crc32(f"{FORMAT} {self!r}".encode()) % 65521) / 65536.0
@@ -69,7 +97,16 @@ class VolumeTable:
     name = "disk_volume"
     allowed = (0.0, 1.0 + 1e-6)
 
-    stamp, path = Table.stamp, Table.path
+    stamp, path, told_axes, with_axes = Table.stamp, Table.path, Table.told_axes, Table.with_axes
+
+    @property
+    def span(self) -> tuple:
+        """The least and the largest exponent that it can be read at; rows are those of n + 1."""
+        return self.rows.lowest - 1.0, self.rows.highest - (self.rows.highest < MAX_EXPONENT)
+
+    def covering(self, lowest: float, highest: float) -> tuple:
+        """See `Table.covering`."""
+        return lowest, min(highest + 1.0, MAX_EXPONENT)
 
     @property
     def height(self) -> int:
@@ -94,6 +131,24 @@ TABLES = {
     )
 }
 _loaded = {}
+
+
+def _count(name, value, least) -> int:
+    if type(value) is not int or not least <= value <= _MOST:
+        raise ValueError(f"{name}: {value!r} is no whole number from {least} to {_MOST}")
+    return value
+
+
+def check_range(lowest, highest) -> dict:
+    """The ends of a range of exponents. Raises ValueError for one that is not allowed.
+
+    Rows that lie too close would be told apart by rounding alone.
+    """
+    ends = float(lowest), float(highest)
+    if not MIN_EXPONENT <= ends[0] <= 0.5 * ends[1] <= 0.5 * MAX_EXPONENT:
+        raise ValueError(f"range: {ends[0]:g} .. {ends[1]:g} is not allowed: exponents go from {MIN_EXPONENT:g} to "
+                         f"{MAX_EXPONENT:g}, and a range ends at no less than twice its beginning")
+    return {"lowest": ends[0], "highest": ends[1]}
 
 
 def folder() -> Path:
@@ -122,43 +177,107 @@ def marked(table, nodes: np.ndarray) -> np.ndarray:
     return np.concatenate([marker, nodes.astype(np.float32), bottom])
 
 
+def in_use(name: str):
+    """The table `name` with the axes of its file. Raises TableError as `load`."""
+    return _file(name)[0]
+
+
 def load(table) -> np.ndarray:
     """Nodes (rows, columns, 4) of a table, float64. Raises TableError that names the file and the cure."""
-    if table.name not in _loaded:
-        _loaded[table.name] = _checked(table)
-    return _loaded[table.name]
-
-
-def _checked(table) -> np.ndarray:
-    cure = "run `plausible bake`, or Bake LUTs in the panel"
-    try:
-        image, _ = exr.read(table.path)
-    except FileNotFoundError:
-        raise TableError(f"{table.path}: albedo table is missing; {cure}") from None
-    except OSError as error:
-        raise TableError(f"{table.path}: albedo table cannot be read ({error.strerror}); {cure}") from None
-    except exr.ExrError as error:
-        raise TableError(f"{error}; {cure}") from None
-    shape = (table.height + 2, table.columns.columns, 4)
-    if image.shape != shape:
-        raise TableError(f"{table.path}: albedo table is {image.shape}, expected {shape}: stale or resized; {cure}")
-    if np.any(image[[0, -1]] != marked(table, image[1:-1])[[0, -1]]):
-        raise TableError(f"{table.path}: albedo table is stale: its axes are not this version's; {cure}")
-    nodes = image[1:-1].astype(np.float64)
-    if not np.isfinite(nodes).all() or nodes.min() <= table.allowed[0] or nodes.max() > table.allowed[1]:
-        raise TableError(f"{table.path}: albedo table holds impossible albedos; {cure}")
+    found, nodes, _ = _file(table.name)
+    if found != table:
+        raise TableError(f"{table.path}: albedo table has the axes {found.told_axes()}, where {table.told_axes()} are "
+                         f"wanted; {_CURE}")
     return nodes
 
 
+def resolution(name: str) -> str:
+    """What the file of the table `name` calls its resolution: one of baking/sizes.py."""
+    return _file(name)[2].get(RESOLUTION, "standard")
+
+
+def stated_error(name: str) -> float | None:
+    """Largest relative error between nodes as the table's file states it; None where it does not."""
+    words = _file(name)[2].get(ERROR, "").split()
+    try:
+        return float(words[1])
+    except (IndexError, ValueError):
+        return None
+
+
+_CURE = "run `plausible bake`, or Bake LUTs in the panel"
+
+
+def _file(name):
+    """(table with its file's axes, nodes, metadata), read once."""
+    if name not in _loaded:
+        _loaded[name] = _checked(TABLES[name])
+    return _loaded[name]
+
+
+def _checked(declared):
+    path = declared.path
+    try:
+        image, metadata = exr.read(path)
+    except FileNotFoundError:
+        raise TableError(f"{path}: albedo table is missing; {_CURE}") from None
+    except OSError as error:
+        raise TableError(f"{path}: albedo table cannot be read ({error.strerror}); {_CURE}") from None
+    except exr.ExrError as error:
+        raise TableError(f"{error}; {_CURE}") from None
+    table = _as_told(declared, metadata)
+    shape = (table.height + 2, table.columns.columns, 4)
+    if image.shape != shape:
+        raise TableError(f"{path}: albedo table is {image.shape}, expected {shape}: stale or resized; {_CURE}")
+    if np.any(image[[0, -1]] != marked(table, image[1:-1])[[0, -1]]):
+        raise TableError(f"{path}: albedo table is stale: its axes are not this version's; {_CURE}")
+    nodes = image[1:-1].astype(np.float64)
+    if not np.isfinite(nodes).all() or nodes.min() <= table.allowed[0] or nodes.max() > table.allowed[1]:
+        raise TableError(f"{path}: albedo table holds impossible albedos; {_CURE}")
+    return table, nodes, metadata
+
+
+def _as_told(declared, metadata):
+    """A table with the axes that its file's metadata tell; as declared where they tell none."""
+    if AXES not in metadata:
+        return declared
+    try:
+        return declared.with_axes(**json.loads(metadata[AXES]))
+    except (TypeError, ValueError) as error:
+        raise TableError(f"{declared.path}: albedo table tells impossible axes ({error}); {_CURE}") from None
+
+
+def covers(span, exponent: float) -> bool:
+    """Whether an exponent is within a range (least, largest), but for rounding."""
+    return span[0] * (1.0 - SLACK) <= exponent <= span[1] * (1.0 + SLACK)
+
+
+def require(name: str, exponents):
+    """The table `name`, in use. Raises TableError where it cannot be read at all of the exponents."""
+    table = in_use(name)
+    for exponent in (np.min(exponents), np.max(exponents)) if np.size(exponents) else ():
+        if not covers(table.span, exponent):
+            low, high = table.span
+            raise TableError(f"exponent: {exponent:g} is outside {low:g} .. {high:g}, for which {table.path} is baked; "
+                             "bake it for more exponents (`plausible bake --range`, or Bake LUTs in the panel)")
+    return table
+
+
 def albedos(lobe: str, control: bool, cos_theta, exponent: float) -> np.ndarray:
-    """a_0 .. a_3 read bilinearly, shape (..., 4), for `cos_theta` (...,) and one exponent."""
-    table = TABLES[f"{lobe}_{'controlled' if control else 'plain'}"]
+    """a_0 .. a_3 read bilinearly, shape (..., 4), for `cos_theta` (...,) and one exponent.
+
+    Raises TableError as `load`, and where the table in use is not baked for the exponent.
+    """
+    table = require(f"{lobe}_{'controlled' if control else 'plain'}", exponent)
     return axes.read(load(table), table.columns, table.rows, cos_theta, exponent)
 
 
 def volumes(mu_view, exponent, radius) -> np.ndarray:
-    """Volume (N,) of round lumps about the origin inside the disk at N·V = `mu_view`; all arguments (N,)."""
-    table = TABLES[VolumeTable.name]
+    """Volume (N,) of round lumps about the origin inside the disk at N·V = `mu_view`; all arguments (N,).
+
+    Raises TableError as `albedos`.
+    """
+    table = require(VolumeTable.name, exponent)
     nodes = load(table).reshape(-1, table.rows.rows, table.columns.columns, 4)
     distance = disk.room(np.asarray(mu_view))
     found, radii = np.empty(len(distance)), table.radii

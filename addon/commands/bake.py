@@ -6,8 +6,9 @@ import time
 import numpy as np
 
 from .. import brdf
-from ..baking import bake, star, weights, weights_error
+from ..baking import bake, sizes, star, weights, weights_error
 from ..brdf import tables
+from ..brdf.parameters import MAX_EXPONENT, MIN_EXPONENT
 from ..cli import CommandError
 from ..verify.subject import settings
 
@@ -18,6 +19,14 @@ DESCRIPTION = ("Compute the albedo tables. Cancelling leaves the old tables whol
 def add_arguments(parser):
     parser.add_argument("table", nargs="*", metavar="TABLE",
                         help=f"of {', '.join(tables.TABLES)}; all when none is given")
+    parser.add_argument("--models", nargs="+", metavar="MODEL",
+                        help=f"only the tables that these read, of {', '.join(m.id for m in sizes.readers())}")
+    parser.add_argument("--resolution", choices=list(sizes.RESOLUTIONS), default="standard",
+                        help="; ".join(f"{name}: {r.help}" for name, r in sizes.RESOLUTIONS.items())
+                        .replace("%", "%%") + " (default: %(default)s)")
+    parser.add_argument("--range", nargs=2, type=float, default=(MIN_EXPONENT, MAX_EXPONENT),
+                        metavar=("FROM", "TO"), help="the exponents that the tables are for; with as many rows a "
+                        "shorter range is finer. Materials beyond it render striped (default: 1 100000)")
     parser.add_argument("--check", action="store_true",
                         help="write nothing; re-derive the error of every table and fail when one is stale or wrong")
     parser.add_argument("--base-lobes", action="store_true",
@@ -36,6 +45,11 @@ def run(arguments):
     for name in arguments.table:
         if name not in tables.TABLES:
             raise CommandError(f"no table {name!r}; there are {', '.join(tables.TABLES)}")
+    if arguments.models:
+        if arguments.table:
+            raise CommandError(f"name tables or --models, not both: got {arguments.table[0]} and {arguments.models[0]}")
+        arguments.table = sizes.tables_of(arguments.models)
+    size = sizes.Size(arguments.resolution, *arguments.range)
     if arguments.workers is not None and arguments.workers < 1:
         raise CommandError(f"--workers: {arguments.workers} is less than 1")
     if arguments.output:
@@ -47,7 +61,7 @@ def run(arguments):
         return None
     if arguments.base_lobes:
         return _fit_base_lobes(arguments)
-    return _check(arguments) if arguments.check else _bake(arguments)
+    return _check(arguments) if arguments.check else _bake(arguments, size)
 
 
 def _progress(done, total, name):
@@ -55,16 +69,22 @@ def _progress(done, total, name):
         print(f"\r{100 * done // max(total, 1):3d} %  {name:20}", end="\n" if done == total else "", file=sys.stderr)
 
 
-def _bake(arguments):
+def _bake(arguments, size):
     start = time.monotonic()
-    for done, total, name in bake.bake(arguments.table, arguments.workers):
+    for done, total, name in bake.bake(arguments.table, arguments.workers, size):
         _progress(done, total, name)
     seconds = time.monotonic() - start
-    written = [str(tables.TABLES[name].path) for name in arguments.table or tables.TABLES]
+    baked = [tables.in_use(name) for name in arguments.table or tables.TABLES]
+    errors = {table.name: tables.stated_error(table.name) for table in baked}
     if arguments.json:
-        print(json.dumps({"seconds": round(seconds, 2), "written": written}))
-    else:
-        print("\n".join(written) + f"\nbaked in {seconds:.1f} s")
+        print(json.dumps({"seconds": round(seconds, 2), "written": [str(table.path) for table in baked],
+                          "interpolation_errors": errors, "axes": {table.name: table.told_axes() for table in baked}}))
+        return
+    for table in baked:
+        low, high = table.span
+        print(f"{table.path}: {table.columns.columns} x {table.height}, exponents {low:g} to {high:g}, "
+              f"within {100.0 * errors[table.name]:.2g} % between nodes")
+    print(f"baked and measured in {seconds:.1f} s")
 
 
 def _fit_base_lobes(arguments):
@@ -117,5 +137,5 @@ def _check(arguments):
             verdict = "ok" if report["ok"] else "FAILED"
             print(f"{verdict:6} {report['table']:18} " + (report.get("message") or
                   f"nodes {report['node_error']:.1e} (bound {bake.NODE_BOUND:g}), "
-                  f"interpolation {report['interpolation_error']:.1e} (bound {bake.INTERPOLATION_BOUND:g})"))
+                  f"interpolation {report['interpolation_error']:.1e} (bound {report['interpolation_bound']:g})"))
     return 0 if all(report["ok"] for report in reports) else 1

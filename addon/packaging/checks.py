@@ -9,7 +9,10 @@ from .archive import PackageError
 
 
 def check_tables():
-    """Load every albedo table. Raises tables.TableError that names the first missing, stale or damaged file."""
+    """Load every albedo table. Raises tables.TableError that names the first missing, stale or damaged file.
+
+    A table of another resolution or range is for the user who baked it, and counts as stale.
+    """
     for table in tables.TABLES.values():
         tables.load(table)
 

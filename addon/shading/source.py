@@ -34,6 +34,11 @@ def assemble(model, lut: str = COMPILED, parameters: dict | None = None, baked=N
     return _definitions(model, lut) + text
 
 
+def spans(model) -> dict:
+    """{name of a table: (least, largest) exponent}: what a shader that is assembled now can be read at."""
+    return {name: _in_use(name, FILE).span for name in model.tables}
+
+
 def mode_of(table) -> str:
     """What a shader calls a table: its parameter is table_ and this."""
     if isinstance(table, tables.VolumeTable):
@@ -57,7 +62,7 @@ def _flattened(path: Path, seen: set) -> str:
 def _definitions(model, lut) -> str:
     """Macros that carry the numbers: DATA_PARAMETERS (array parameters with their values), axes and table names."""
     lines, parameters = _base(model.base_family) if model.base_family else _bells()
-    used = [tables.TABLES[name] for name in model.tables]
+    used = [_in_use(name, lut) for name in model.tables]
     by_mode = {table.control: table for table in used if isinstance(table, tables.Table)}
     for table in used:
         if isinstance(table, tables.VolumeTable):
@@ -73,6 +78,16 @@ def _definitions(model, lut) -> str:
         lines.append("#define TABLE_FILE")
     lines.append("#define DATA_PARAMETERS " + ", ".join(parameters))
     return "\n".join(lines) + "\n"
+
+
+def _in_use(name, lut):
+    """A table with its axes; a file that is not there yet will have the declared ones, or be told when it renders."""
+    try:
+        return tables.in_use(name)
+    except tables.TableError:
+        if lut == FILE:
+            return tables.TABLES[name]
+        raise
 
 
 _TYPES = {"float": "float", "int": "int", "bool": "int", "enum": "int", "color": "color", "vector": "normal",
@@ -158,7 +173,7 @@ def _table_parameter(table, mode, lut):
 def _axes(table, mode, lut):
     c, r = table.columns, table.rows
     numbers = (f"{c.columns}, {c.grazing}, {c.normal}, {r.rows}, {r.density}, {r.law}, {table.stamp!r}, "
-               f"{int(isinstance(c, SineAxis))}, {table.height}")
+               f"{int(isinstance(c, SineAxis))}, {table.height}, {r.lowest}, {r.highest}")
     name = f"table_{mode.lower()}" if lut == FILE else f'"{table.name}"'
     return [f"#define AXES_{mode} Axes({numbers})", f"#define TABLE_NAME_{mode} {name}"]
 

@@ -39,7 +39,7 @@ closure color stripes()
 
 closure color broken_table(string file)
 {
-    warning("Plausible BRDF: albedo table %s is missing, stale or unreadable; bake it or choose its file\n", file);
+    warning("Plausible BRDF: albedo table %s is missing, stale, unreadable or not baked for this exponent; bake it or choose its file\n", file);
     return stripes();
 }
 
