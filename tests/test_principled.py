@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from addon import cli
-from addon.brdf import MODELS
+from addon.brdf import MODELS, roughness_of_exponent
 from addon.brdf.geometry import view_at
 from addon.brdf.metals import METALS
 from addon.fitting import principled
@@ -164,6 +164,15 @@ def test_stand_in_tracks_the_parameters():
     body = principled.fit(MODELS["edwards_empirical"], {"diffuse_color": BLUE, "exponent": 300.0})
     assert body.metallic == 0.0 and body.base_color == pytest.approx(BLUE, abs=0.02)
     assert body.ior == pytest.approx(1.5, abs=0.1)
+
+
+@pytest.mark.parametrize("name", [name for name, model in MODELS.items() if not model.baked])
+def test_factors_of_roughness_are_what_fits_find(name):
+    model = MODELS[name]
+    for exponent in (10.0, 100.0, 3000.0):
+        stated = roughness_of_exponent(model.stand_in(model.resolve({"exponent": exponent}))[1])
+        found = principled.fit(model, {"exponent": exponent}).roughness
+        assert principled.ROUGHNESS_FACTORS[name] * stated == pytest.approx(found, rel=0.12)
 
 
 def test_stretched_lobes_are_turned_as_the_models_are():
