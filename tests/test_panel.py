@@ -180,7 +180,7 @@ def test_panel_shows_what_the_model_reads_and_nothing_else(bpy, no_weights, mode
         assert set(properties(drawn(context))) == expected
 
 
-def test_presets(bpy):
+def test_presets(bpy, no_weights):
     """Each is a valid choice of its model's parameters, and is put into any material of ours as it stands."""
     from addon.blender import materials
     from addon.brdf.presets import PRESETS
