@@ -154,6 +154,28 @@ def test_saved_scene_is_small_and_knows_no_path(pictures, tmp_path):
     assert 0.3 < np.mean(np.array(image.pixels[:]).reshape(-1, 4)[:, :3]) < 0.9
 
 
+def test_presets_are_cut_into_tiles(tmp_path, monkeypatch):
+    """Of three, in two rows: each has its colour in the middle and the ground in its corners."""
+    pytest.importorskip("bpy")
+    image = pytest.importorskip("matplotlib.image")
+    from addon.brdf.presets import PRESETS
+    from addon.demo import presets
+
+    names = ("gold_polished", "coated_plastic", "glossy_plastic")
+    monkeypatch.setattr(presets, "PRESETS", {name: PRESETS[name] for name in names})
+    monkeypatch.setattr(presets, "COLUMNS", 2)
+    paths = presets.render_all(tmp_path, (24, 24), 8)
+    assert [path.name for path in paths] == [f"preset_{name}.png" for name in names]
+    assert presets.captions() == ["Gold, Polished", "Coated Plastic", "Glossy Plastic"]
+    gold, blue, red = (image.imread(path)[..., :3] for path in paths)
+    for tile in (gold, blue, red):
+        assert tile.shape == (24, 24, 3)
+        np.testing.assert_allclose(tile[[0, 0, -1, -1], [0, -1, 0, -1]], [presets.GROUND] * 4, atol=0.005)
+    middle = [tile[6:18, 6:18].mean(axis=(0, 1)) for tile in (gold, blue, red)]
+    assert middle[0][0] > middle[0][1] > middle[0][2]
+    assert middle[1].argmax() == 2 and middle[2].argmax() == 0
+
+
 @pytest.mark.parametrize("text", ["", "480", "480x", "x360", "3x3", "480x-1", "axb"])
 def test_resolution_that_is_none_is_refused(text, capsys):
     from addon import cli

@@ -80,6 +80,13 @@ class Model:
         value[above] = lit
         return value
 
+    def quickly(self, view, light, p: dict) -> np.ndarray:
+        """f(V, L) as `evaluate` gives it, of resolved parameters and directions above the horizon, within about 1 %.
+
+        For what must not wait: it is the value itself where that takes no preparing.
+        """
+        return self._value(view, light, p)
+
     def albedo(self, cos_theta, **parameters) -> np.ndarray:
         """Albedo at N·V = `cos_theta` (N,), by quadrature: (N,) or (N, 3) as `evaluate`.
 

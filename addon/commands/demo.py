@@ -11,7 +11,8 @@ DESCRIPTION = ("Build and render a scene. metals: a golden tank among metal pyra
                "pumped up once, and pumped up under control. spheres: anisotropic spheres under an HDRI. road: a road "
                "at night with diffuse reflectors and with retroreflectors. furnace: white spheres in a constant "
                "environment, which vanish where their model conserves energy. reflector: a lamp near the focus of a "
-               "paraboloid, by six models of one width, with what tells them apart in reflector.json. all: the five.")
+               "paraboloid, by six models of one width, with what tells them apart in reflector.json. presets: a "
+               "sphere of each preset. all: the six.")
 BLENDS = Path(__file__).resolve().parents[2] / "demo_blends"
 SAVE_THERE = object()  # --save-blend without a file
 
@@ -60,6 +61,10 @@ SCENES = {
         "angle at normal incidence.\nRight: radiance over the brightest of He-Torrance's. Light, and shape at equal "
         "light, are compared with He-Torrance's: ± is the standard error by two seeds.",
         2, (320, 300), 64),
+    "presets": Scene(
+        "presets", "presets.png", "presets.blend", "Presets in stock Cycles",
+        "Spheres under an HDRI, and a lamp beside the camera that shows what comes back to it. No denoising.",
+        9, (144, 144), 96),
 }
 
 
@@ -69,10 +74,10 @@ def add_arguments(parser):
     parser.add_argument("--output", type=Path, default=Path("out/demo"), metavar="DIR",
                         help="folder of the pictures (default %(default)s)")
     parser.add_argument("--samples", type=_count, metavar="N",
-                        help="samples per pixel, at most (default 64; spheres 48, furnace 96)")
+                        help="samples per pixel, at most (default 64; spheres 48, furnace and presets 96)")
     parser.add_argument("--resolution", type=_resolution, metavar="WxH",
                         help="size of each panel (default 480x360; spheres 640x480, road 640x368, furnace 960x480, "
-                             "reflector 320x300)")
+                             "reflector 320x300, presets 144x144)")
     parser.add_argument("--save-blend", type=Path, nargs="?", const=SAVE_THERE, metavar="FILE",
                         help="only write the scene, dressed as the last panel (default its own file in demo_blends)")
 
@@ -121,7 +126,8 @@ def _render(scene, arguments):
                               report=lambda line: print(line, file=sys.stderr, flush=True))
     output = arguments.output / scene.sheet
     sheet.compose(paths, module.captions(), scene.columns, scene.title, scene.note, output)
-    print("\n".join(str(path) for path in [*(path.with_suffix(".exr") for path in paths), output]))
+    pictures = [path.with_suffix(".exr") for path in paths]
+    print("\n".join(str(path) for path in [*(path for path in pictures if path.exists()), output]))
 
 
 def _save_blend(scene, arguments):

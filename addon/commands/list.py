@@ -3,13 +3,16 @@ import json
 import math
 
 from .. import brdf
-from ..brdf import tables
+from ..brdf import presets, tables
 
-DESCRIPTION = "List the models with their formulas, parameters, tables and sources."
+DESCRIPTION = ("List the models with their formulas, parameters, tables and sources, or the presets by group: "
+               "materials by name, each a model with parameters.")
 
 
 def add_arguments(parser):
     parser.add_argument("model", nargs="?", metavar="MODEL", help="only this model")
+    parser.add_argument("--presets", action="store_true",
+                        help="list the presets by group, those of MODEL where one is named")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -17,6 +20,9 @@ def run(arguments):
     models = list(brdf.MODELS.values())
     if arguments.model:
         models = [brdf.find_model(arguments.model)]
+    if arguments.presets:
+        (_print_presets_as_json if arguments.json else _print_presets)({model.id for model in models})
+        return
     if arguments.json:
         print(json.dumps([_as_json(model) for model in models], indent=2))
         return
@@ -31,6 +37,25 @@ def run(arguments):
         for reference in model.references:
             print(f"    source: {reference}")
         print()
+
+
+def _print_presets(models):
+    """Groups, and a line for each preset of these models and what it is; baked ones are marked."""
+    for group, members in presets.in_groups().items():
+        shown = {key: preset for key, preset in members.items() if preset.model in models}
+        if not shown:
+            continue
+        print(group)
+        for key, preset in shown.items():
+            print(f"  {key:20} {preset.label:26} {preset.model}{', baked' * brdf.MODELS[preset.model].baked}")
+            print(f"    {preset.help}")
+        print()
+
+
+def _print_presets_as_json(models):
+    print(json.dumps([{"id": key, "group": preset.group, "label": preset.label, "model": preset.model,
+                       "help": preset.help, "parameters": preset.parameters}
+                      for key, preset in presets.PRESETS.items() if preset.model in models], indent=2))
 
 
 def _as_json(model):

@@ -27,16 +27,19 @@ def prepare(scene, samples: int, exposure: float, indirect_clamp: float, bounces
     scene.view_settings.exposure = exposure
 
 
-def write(scene, folder: Path, stem: str) -> Path:
-    """Render to `folder`/`stem`.exr (float32, linear Rec. 709) and `stem`.png; returns the PNG's path."""
-    settings = scene.render.image_settings
-    settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", "RGB", "32"
+def write(scene, folder: Path, stem: str, alpha: bool = False) -> Path:
+    """Render to `folder`/`stem`.exr (float32, linear Rec. 709) and `stem`.png; returns the PNG's path.
+
+    `alpha` writes the coverage of pixels as well, where the scene's film is transparent.
+    """
+    settings, channels = scene.render.image_settings, "RGBA" if alpha else "RGB"
+    settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", channels, "32"
     settings.exr_codec = "ZIP"
     scene.render.filepath = str(folder / f"{stem}.exr")
     with quiet():
         bpy.ops.render.render(write_still=True, scene=scene.name)
     image = bpy.data.images.load(scene.render.filepath)
-    settings.file_format, settings.color_mode, settings.color_depth = "PNG", "RGB", "8"
+    settings.file_format, settings.color_mode, settings.color_depth = "PNG", channels, "8"
     png = folder / f"{stem}.png"
     image.save_render(str(png), scene=scene)
     bpy.data.images.remove(image)

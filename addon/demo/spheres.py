@@ -77,7 +77,7 @@ def build(resolution=RESOLUTION):
             label = parts.wear(parts.text(scene, f"Label {sphere.label}", sphere.label, 0.17), ink)
             label.location = (x, depth - 0.5 * STEP_DEPTH - 0.004, height - 0.14)
             label.rotation_euler.x = 0.5 * math.pi
-    _sky(scene)
+    sky(scene)
     parts.camera(scene, (0.0, -12.0, 2.95), pitch=-6.7, lens=76.0)
     return scene
 
@@ -125,7 +125,7 @@ def _material(sphere):
     return material
 
 
-def _sky(scene):
+def sky(scene):
     """The HDRI, packed, so that the file needs none beside it."""
     folder = Path(bpy.utils.resource_path("LOCAL")) / "datafiles" / "studiolights" / "world"
     image = bpy.data.images.load(str(folder / HDRI))
