@@ -3,9 +3,16 @@
 Where a model's parameters can be driven by links, nodes compute the stand-in from the same sockets, so that textures,
 drivers and keyframes show; what is baked for its values has a stand-in for these values (`write`).
 """
+import json
+from functools import lru_cache
+
+import numpy as np
+
 from .. import brdf
 from ..brdf.disk_model import DiskModel
 from ..brdf.registry import Model
+from ..fitting import principled
+from ..fitting.principled_bsdf import Inputs
 
 NAME = "Stand-in"
 
@@ -14,17 +21,17 @@ def build(tree, model, given: dict):
     """Make the stand-in of `model` out of the group's inputs, {parameter id: socket}; returns its shader socket."""
     nodes = _Nodes(tree)
     normal = nodes.normal(given["shading_normal"])
-    principled = nodes.principled(NAME, normal, metallic=1.0)
+    node = nodes.principled(NAME, normal, metallic=1.0)
     if model.baked:
-        return principled.outputs[0]
+        return node.outputs[0]
     exponent = _lump_exponent(nodes, model, given) if isinstance(model, DiskModel) else _exponent(nodes, model, given)
-    # A half-vector power of m looks like a microfacet lobe with m = 2/alpha² - 2 and alpha = roughness².
+    # A half-vector power of m looks like a microfacet lobe with m = 2/alpha² - 2 and alpha = roughness², nearly.
     roughness = nodes.math("POWER", nodes.math("DIVIDE", 2.0, nodes.math("ADD", exponent, 2.0)), 0.25)
-    nodes.feed(principled, "Roughness", roughness)
+    nodes.feed(node, "Roughness", nodes.math("MULTIPLY", roughness, principled.ROUGHNESS_FACTORS[model.id]))
     if "diffuse_color" not in given:
-        nodes.feed(principled, "Base Color", _colour(nodes, given))
-        return principled.outputs[0]
-    return _over_diffuse(nodes, given, principled, normal)
+        nodes.feed(node, "Base Color", _colour(nodes, given))
+        return node.outputs[0]
+    return _over_diffuse(nodes, given, node, normal)
 
 
 def write(node, model: Model, values: dict):
@@ -32,18 +39,69 @@ def write(node, model: Model, values: dict):
 
     Raises ValueError for an image that cannot be read.
     """
-    principled = node.node_tree.nodes.get(NAME)
-    colour, roughness, metallic = look(model, values)
-    if principled is not None:
-        principled.inputs["Base Color"].default_value = (*colour, 1.0)
-        principled.inputs["Roughness"].default_value = roughness
-        principled.inputs["Metallic"].default_value = metallic
+    inside = node.node_tree.nodes.get(NAME)
+    (_, fitted), = parts(model, values)
+    if inside is not None:
+        for name, value in {"Base Color": (*fitted.base_color, 1.0), "Metallic": fitted.metallic,
+                            "Roughness": fitted.roughness, "IOR": fitted.ior, "Specular IOR Level": fitted.specular,
+                            "Anisotropic": fitted.anisotropic, "Anisotropic Rotation": fitted.rotation}.items():
+            inside.inputs[name].default_value = value
 
 
 def look(model: Model, values: dict):
     """(colour, roughness, metallic) of what looks like a model with `values`. Raises as `write`."""
-    colour, exponent, metallic = model.stand_in(model.resolve(values))
-    return [float(min(max(c, 0.0), 1.0)) for c in colour], brdf.roughness_of_exponent(exponent), metallic
+    shown = parts(model, values)
+    most = max(shown, key=lambda part: part[0](np.ones(1))[0])[1]
+    return most.base_color, most.roughness, most.metallic
+
+
+def parts(model: Model, values: dict) -> list:
+    """What the nodes of a model with `values` amount to: [(share, inputs)], see `principled.errors`.
+
+    The last few are kept. Raises as `write`.
+    """
+    return _parts(model, json.dumps(values, sort_keys=True), _stamps(model, values))
+
+
+def error(model: Model, values: dict) -> tuple:
+    """What the stand-in errs by, (of the lobe, of the albedo) in % of the model's light. Raises as `write`."""
+    return _error(model, json.dumps(values, sort_keys=True), _stamps(model, values))
+
+
+def _stamps(model, values):
+    return tuple(p.stamp(values[p.id]) for p in model.parameters if p.id in values)
+
+
+@lru_cache(maxsize=64)
+def _parts(model, text, _):
+    values = model.resolve({key: tuple(value) if isinstance(value, list) else value
+                            for key, value in json.loads(text).items()})
+    if model.baked:
+        return [(np.ones_like, principled.fit(model, _evaluated(model, values)))]
+    colour, exponent, _ = model.stand_in(values)
+    if "diffuse_color" in values:
+        colour = np.asarray(values["base_color"])
+    colour = np.clip(colour, 0.0, 1.0)
+    roughness = brdf.roughness_of_exponent(exponent) * principled.ROUGHNESS_FACTORS[model.id]
+    if "diffuse_color" not in values:
+        return [(np.ones_like, Inputs(tuple(colour.tolist()), 1.0, roughness))]
+    brightest = float(colour.max())
+
+    def factor(mu):
+        return brightest + (1.0 - brightest) * (1.0 - mu) ** 5
+
+    lobe = Inputs(tuple((colour / max(brightest, 1e-6)).tolist()), 1.0, roughness)
+    body = Inputs(tuple(values["diffuse_color"]), 0.0, 1.0, specular=0.0)
+    return [(factor, lobe), (lambda mu: 1.0 - factor(mu), body)]
+
+
+@lru_cache(maxsize=64)
+def _error(model, text, stamps):
+    return principled.errors(model, json.loads(text), _parts(model, text, stamps))
+
+
+def _evaluated(model, values):
+    return {p.id: values[p.id] for p in model.parameters if p.evaluated}
 
 
 def _exponent(nodes, model, given):
@@ -76,12 +134,12 @@ def _colour(nodes, given):
     return nodes.blend_vector(nodes.math("GREATER_THAN", given["fresnel_type"], 1.5), given["base_color"], metal)
 
 
-def _over_diffuse(nodes, given, principled, normal):
+def _over_diffuse(nodes, given, lobe, normal):
     """(1-F) diffuse + F specular, F Schlick's factor of the brightest channel; the lobe has the others' proportions."""
     channels = nodes.split(given["base_color"])
     brightest = nodes.math("MAXIMUM", nodes.math("MAXIMUM", channels[0], channels[1]), channels[2])
     inverse = nodes.math("DIVIDE", 1.0, nodes.math("MAXIMUM", brightest, 1e-6))
-    nodes.feed(principled, "Base Color", nodes.vector("SCALE", given["base_color"], scale=inverse))
+    nodes.feed(lobe, "Base Color", nodes.vector("SCALE", given["base_color"], scale=inverse))
     facing = nodes.new("ShaderNodeLayerWeight")
     facing.inputs["Blend"].default_value = 0.5  # then it is 1 - N·V
     nodes.link(normal, facing.inputs["Normal"])
@@ -92,7 +150,7 @@ def _over_diffuse(nodes, given, principled, normal):
     diffuse.inputs["Specular IOR Level"].default_value = 0.0
     nodes.feed(diffuse, "Base Color", given["diffuse_color"])
     mix = nodes.new("ShaderNodeMixShader")
-    for socket, source in zip(mix.inputs, (factor, diffuse.outputs[0], principled.outputs[0]), strict=True):
+    for socket, source in zip(mix.inputs, (factor, diffuse.outputs[0], lobe.outputs[0]), strict=True):
         nodes.link(source, socket)
     return mix.outputs[0]
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from ..brdf import tables
-from . import groups, luts, nodes, osl, switches, upgrade
+from . import groups, luts, nodes, osl, stand_in, switches, upgrade
 
 OLDEST = (4, 2, 0)
 
@@ -87,7 +87,13 @@ def _wrong_device(scene):
 
 def _native(node):
     """That a material shows the stand-in."""
-    return Notice("Cycles renders the native approximation in place of the model",
+    try:
+        lobe, albedo = stand_in.error(nodes.model_of(node), nodes.values(node))
+    except ValueError:  # an image that cannot be read
+        found = ""
+    else:
+        found = f". Its lobe differs by {lobe:.2g} %, its albedo by {albedo:.2g} %"
+    return Notice(f"Cycles renders the native approximation in place of the model{found}",
                   Cure("plausible.switch_native", "Render the Model"), icon="INFO")
 
 

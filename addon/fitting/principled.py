@@ -50,6 +50,22 @@ def fit(model, parameters: dict) -> Principled:
     return min((_Search(kind(target)) for kind in kinds), key=lambda search: search.error).refined()
 
 
+def errors(model, parameters: dict, parts) -> tuple:
+    """What Principled nodes err by that stand for a model with `parameters`: (of the lobe, of the albedo), in %.
+
+    `parts` are [(share, inputs)], share a function of N·V (N,). Raises ValueError for what the model refuses.
+    """
+    target = _Target(model, model.resolve(parameters))
+    energy, albedo = np.zeros_like(target.energy), np.zeros_like(target.albedo)
+    for share, inputs in parts:
+        shares = share(target.mu)[:, None]
+        energy += shares[target.seen] * bsdf.evaluate(inputs, target.view, target.light) * target.weight[:, None]
+        albedo += shares * bsdf.albedo(inputs, target.mu)
+    missed = target.by_view(np.abs(energy - target.energy)).sum(axis=1) + target.spike.sum(axis=1)
+    sky = np.abs(albedo - target.albedo).sum(axis=1)
+    return tuple(float(100.0 * (part / target.total).mean()) for part in (missed, sky))
+
+
 # What is fitted.
 
 class _Target:

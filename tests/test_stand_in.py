@@ -1,0 +1,64 @@
+"""The stand-in renders as its formula: the nodes inside a group, and what is written for a baked model."""
+import numpy as np
+import pytest
+
+from addon import create_material
+from addon.brdf import MODELS
+from addon.fitting import principled_bsdf
+from addon.verify import room
+
+pytestmark = pytest.mark.blender
+
+VIEW = 50.0
+
+
+def rendered(material):
+    """Albedo (3,) of the stand-in in Cycles, without OSL, and its standard error (3,)."""
+    from addon.blender import groups, nodes
+
+    node = nodes.find_node(material)
+    surface = material.node_tree.get_output_node("CYCLES").inputs["Surface"]
+    material.node_tree.links.new(node.outputs[groups.STAND_IN], surface)
+    with room.Room(material, room.PLANE, 8) as place:
+        place.scene.cycles.shading_system = False
+        place.sky(1.0)
+        place.look_from((np.sin(np.radians(VIEW)), 0.0, np.cos(np.radians(VIEW))))
+        pixels = place.render(1024).reshape(-1, 3)
+    return pixels.mean(axis=0), pixels.std(axis=0, ddof=1) / np.sqrt(len(pixels))
+
+
+@pytest.mark.parametrize("model_id, given", [
+    ("pumped_phong", {"exponent": 30.0, "base_color": (0.9, 0.5, 0.2)}),
+    ("phong", {"roughness": 0.7}),
+    ("pumped_blinn", {"fresnel_type": "conductor", "exponent": 100.0}),
+    ("disk_scaling", {"radius_u": 0.4, "radius_v": 0.7, "base_color": (0.3, 0.6, 0.9)}),
+    ("edwards_empirical", {"base_color": (0.3, 0.2, 0.1), "diffuse_color": (0.2, 0.4, 0.6), "exponent": 50.0}),
+    ("ward", {"diffuse_color": (0.1, 0.2, 0.3)}),
+])
+def test_it_is_what_is_said_of_it(model_id, given):
+    from addon.blender import nodes, stand_in
+
+    material = create_material(model_id, **given)
+    node = nodes.find_node(material)
+    mu = np.cos(np.radians([VIEW]))
+    expected = sum(share(mu) * principled_bsdf.albedo(inputs, mu)[0]
+                   for share, inputs in stand_in.parts(MODELS[model_id], nodes.values(node)))
+    found, noise = rendered(material)
+    # Cycles' tables and ours of what GGX scatters more than once are within half a percent of each other.
+    np.testing.assert_allclose(found, expected, atol=0.006 + 5.0 * noise.max())
+
+
+def test_errors_are_of_these_nodes():
+    """About as good as the fit, whose colours make the albedo right first; a wrong roughness shows."""
+    from addon.blender import stand_in
+    from addon.fitting import principled
+
+    for model_id in ("pumped_phong", "disk_orthogonal", "edwards_fit"):
+        model = MODELS[model_id]
+        values = {p.id: p.default for p in model.parameters if p.evaluated}
+        best = principled.fit(model, values)
+        lobe, albedo = stand_in.error(model, values)
+        assert 0.9 < (lobe + albedo) / (best.lobe_error + best.albedo_error) < 1.1
+        (share, inputs), *others = stand_in.parts(model, values)
+        wide = type(inputs)(inputs.base_color, inputs.metallic, 1.3 * inputs.roughness)
+        assert sum(principled.errors(model, values, [(share, wide), *others])) > 1.1 * (lobe + albedo)
