@@ -214,6 +214,7 @@ def sun_report(model, parameters, suns=SUNS, material=None):
 
 # White furnace.
 
+@pytest.mark.versions_by_shader
 @pytest.mark.parametrize("model, parameters", cases(covering()), ids=name_of)
 def test_furnace(model, parameters, request):
     # In the everyday selection neighbouring cases share the angles between them.
@@ -228,6 +229,7 @@ def test_furnace(model, parameters, request):
 SUN_SHAPES = [(1.5, 1.0, True), (7.0, 2.0, False), (20.0, 1.0, True), (150.0, 3.0, False), (5000.0, 0.5, True)]
 
 
+@pytest.mark.versions_by_shader
 @pytest.mark.parametrize("model, parameters", cases(SUN_SHAPES), ids=name_of)
 def test_sphere_under_a_sun(model, parameters):
     report = sun_report(model, parameters)
@@ -368,7 +370,13 @@ def lamp_points(position, count=12):
     return lights, np.repeat(radiance * np.maximum(lights @ a, 0.0)[:, None] / distance**2 * area, 3, axis=1)
 
 
-LIT_SHAPES = [(7.0, 1.0, False), (20.0, 1.0, True), (150.0, 2.0, True)]
+LIT_SHAPES = [(20.0, 1.0, True), (7.0, 1.0, False), (150.0, 2.0, True)]
+# Each shader, the pumped ones in several shapes.
+LIT = [*[(model, shape(*values)) for model in PUMPED for values in LIT_SHAPES],
+       *[(model, {"exponent": 20.0}) for model in ("phong", "blinn", "phong_limit")],
+       *[(model, {"exponent": 50.0}) for model in ("disk_scaling", "disk_orthogonal", "reciprocal_disk")],
+       ("edwards_empirical", {"exponent": 50.0, "retro_exponent": 50.0}),
+       ("edwards_fit", {"exponent": 50.0, "second_exponent": 20.0}), ("ward", {})]
 
 
 def test_area_lamp_of_a_white_diffuse_sphere():
@@ -377,9 +385,10 @@ def test_area_lamp_of_a_white_diffuse_sphere():
     assert_lit(standard.material(), area_lamp, gathered(standard.evaluate, 24, lamp_points), 24, samples=64)
 
 
-@pytest.mark.parametrize("model, parameters", [(m, shape(*s)) for m in PUMPED for s in LIT_SHAPES], ids=name_of)
+@pytest.mark.versions_by_shader
+@pytest.mark.parametrize("model, parameters", LIT, ids=name_of)
 def test_area_lamp(model, parameters):
-    size = 24 if parameters["exponent"] <= 20.0 else 48
+    size = 24 if parameters.get("exponent", 20.0) <= 50.0 else 48
     reference = gathered(lambda view, light: brdf.MODELS[model].evaluate(view, light, **parameters), size, lamp_points)
     assert_lit(create_material(model, **parameters), area_lamp, reference, size, samples=256)
 

@@ -63,6 +63,7 @@ FURNACE = [
 ]
 
 
+@pytest.mark.versions_by_shader
 @pytest.mark.parametrize("model, given", FURNACE, ids=name_of)
 def test_furnace(model, given):
     """Light that lumps lose where they leave the disk is lost, and none else: the paper's invisible sphere."""
@@ -85,6 +86,8 @@ SPHERES = [
     ("disk_scaling", {"exponent": 50.0, "radius_u": 0.2, "radius_v": 0.2}, (0.0, 65.0)),
     ("edwards_fit", {**WHITE, "exponent": 50.0, "second_exponent": 20.0, "radius": 0.5, "second_radius": 0.5}, (40.0,)),
     ("reciprocal_disk", {"exponent": 50.0}, (0.0, 65.0)),
+    ("disk_orthogonal", {"exponent": 50.0, "radius_u": 0.5, "radius_v": 0.5}, (40.0,)),
+    ("edwards_empirical", {"base_color": 0.8, "exponent": 50.0, "retro_exponent": 20.0}, (40.0,)),
 ]
 
 
@@ -97,6 +100,7 @@ def sphere_of(model, given, suns):
                suns, resolution)
 
 
+@pytest.mark.versions_by_shader
 @pytest.mark.parametrize("model, given, suns", SPHERES, ids=name_of)
 def test_sphere_under_a_sun(model, given, suns):
     report = sphere_of(model, given, suns)

@@ -74,6 +74,7 @@ def held(model, given, bound=FURNACE_BOUND):
     assert (np.abs(error) <= bounds + SIGMAS * noise).all(), np.round(error[:, 1], 5)
 
 
+@pytest.mark.versions_by_shader
 @pytest.mark.parametrize("model, given", SHAPES, ids=name_of)
 def test_furnace(model, given):
     held(model, given)
@@ -99,6 +100,7 @@ SUNS = [("ward", {}, 0.01, TOTAL_BOUND), ("he_torrance", {}, 0.01, TOTAL_BOUND),
         ("ashikhmin_shirley", {"base_color": 0.5, "diffuse_color": (0.5, 0.3, 0.1)}, KINKED, KINKED_TOTAL)]
 
 
+@pytest.mark.versions_by_shader
 @pytest.mark.parametrize("model, given, bound, total", SUNS, ids=name_of)
 def test_sphere_under_a_sun(model, given, bound, total):
     report = Sun(create_material(model, **given), lambda view, light: brdf.MODELS[model].evaluate(view, light, **given),
