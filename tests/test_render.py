@@ -77,18 +77,26 @@ def rgb(values):
     return values if values.ndim == 2 else np.repeat(values[:, None], 3, axis=1)
 
 
-def albedo_of(material, angles_deg, wanted=FURNACE_NOISE):
-    """Furnace of `material` with as many samples as a noise below `wanted` needs; a first look tells how many."""
-    angles = np.atleast_1d(np.asarray(angles_deg, dtype=np.float64))
-    value, noise = verify.furnace(material, angles, samples=64)
-    needed = 64 * (noise.max(axis=1) / (0.8 * wanted)) ** 2
-    # The first look is not kept where it was too noisy: what it happened to show must not choose.
+def sharpened(measure, count, wanted, most=1 << 14):
+    """A Measurement of `count` rows with as many samples, 64 to `most`, as a noise below `wanted` needs in each.
+
+    `measure(rows, samples, seed)` measures some of them. A first look at all tells how many samples a row needs; it is
+    not kept where it was too noisy: what it happened to show must not choose.
+    """
+    value, noise = measure(np.arange(count), 64, 0)
+    needed = np.minimum(64 * (noise.max(axis=1) / (0.8 * wanted)) ** 2, most)
     for low, high in itertools.pairwise((64, 256, 1024, 4096, 1 << 14)):
-        again = (needed > low) & (needed <= high) | (needed > (1 << 14)) & (high == 1 << 14)
-        if again.any():
-            samples = int(np.ceil(min(1.2 * needed[again].max(), 1 << 14)))
-            value[again], noise[again] = verify.furnace(material, angles[again], samples=samples, seed=1)
+        again = np.nonzero((needed > low) & (needed <= high))[0]
+        if len(again):
+            value[again], noise[again] = measure(again, int(np.ceil(min(1.2 * needed[again].max(), most))), 1)
     return verify.Measurement(value, noise)
+
+
+def albedo_of(material, angles_deg, wanted=FURNACE_NOISE):
+    """Furnace of `material`, its noise below `wanted` where that can be."""
+    angles = np.atleast_1d(np.asarray(angles_deg, dtype=np.float64))
+    return sharpened(lambda rows, samples, seed: verify.furnace(material, angles[rows], samples=samples, seed=seed),
+                     len(angles), wanted)
 
 
 def furnace_report(model, parameters, angles, material=None):
@@ -256,7 +264,17 @@ def peak_of(model, parameters, view):
 
 # What is left over at grazing views and of the widest lobes is grainy: noise of a mean over all pixels, of the peak.
 POINT_GRAINY = 0.02
+POINT_WANTED = 0.001  # no sharper than that: five of it are a quarter of the bound
 POINT_SHAPES = [(1.5, 2.0, False), (20.0, 1.0, True), (150.0, 2.0, False)]
+
+
+def directions_of(material, view_deg, lights, peak, most):
+    """f (N·L) in parts of `peak`, from so many samples, up to `most`, that the noise is below POINT_WANTED."""
+    def measure(rows, samples, seed):
+        f, noise = verify.goniometer(material, view_deg, lights[rows], samples=samples, seed=seed)
+        return f * lights[rows, 2:] / peak, noise * lights[rows, 2:] / peak
+
+    return sharpened(measure, len(lights), POINT_WANTED, most)
 
 
 @pytest.mark.parametrize("view_deg", VIEWS)
@@ -266,9 +284,8 @@ def test_point_by_point(model, parameters, view_deg):
     lights = lights_about(model, parameters, view_deg)
     peak = peak_of(model, parameters, view)
     grainy = view_deg >= 65.0 or parameters["exponent"] < 7.0
-    samples = 1024 if grainy else 256
-    f, noise = verify.goniometer(create_material(model, **parameters), view_deg, lights, samples=samples)
-    measured, noise = f * lights[:, 2:] / peak, noise * lights[:, 2:] / peak
+    material = create_material(model, **parameters)
+    measured, noise = directions_of(material, view_deg, lights, peak, 1024 if grainy else 256)
     reference = rgb(brdf.MODELS[model].evaluate(view, lights, **parameters)) * lights[:, 2:] / peak
     if not grainy:
         assert_good(verify.compare(measured, reference, noise, POINT_BOUND), POINT_NOISE)
