@@ -77,7 +77,7 @@ def test_every_shader_is_rendered_in_each_version():
     files = (test_render, test_render_disk, test_render_weights)
     assert shaders_of(*(file.test_furnace for file in files)) == shaders
     assert shaders_of(*(file.test_sphere_under_a_sun for file in files)) == shaders
-    assert shaders_of(test_render.test_area_lamp) == shaders
+    assert shaders_of(*(file.test_area_lamp for file in files)) == shaders
 
 
 def test_the_first_case_of_each_shader_is_chosen():
