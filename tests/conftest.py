@@ -1,9 +1,20 @@
-"""What all tests share: tables put back after each test."""
+"""What all tests share: tables put back after each test, which tests run where, and what came out.
+
+A test whose result another version of Blender can change is marked `versions`, or `versions_by_shader` where it has
+cases of many models: then the first case of each shader runs in each version. `-m versions` selects these.
+"""
+import datetime
+import json
+import os
+import time
+
 import numpy as np
 import pytest
+import versions
 
 from addon.baking import weights, weights_error
-from addon.brdf import tables
+from addon.brdf import MODELS, tables
+from addon.shading import source
 
 
 @pytest.fixture
@@ -24,3 +35,63 @@ def no_weights(monkeypatch):
     known = weights_error.WeightsError(np.zeros(1), np.array([0.012]), np.array([-0.001]))
     monkeypatch.setattr(weights, "weights", lambda model, parameters: few)
     monkeypatch.setattr(weights_error, "error", lambda model, parameters: known)
+
+
+# Which tests run where.
+
+@pytest.hookimpl(tryfirst=True)  # before -m selects and processes share out
+def pytest_collection_modifyitems(items):
+    seen = set()
+    for item in items:
+        if item.get_closest_marker("versions_by_shader"):
+            first = (item.nodeid.partition("[")[0], source.shader_path(MODELS[item.callspec.params["model"]]))
+            if first not in seen:
+                item.add_marker("versions")
+            seen.add(first)
+        if _has_shared_fixture(item):
+            item.add_marker(pytest.mark.xdist_group(item.path.stem))
+
+
+def _has_shared_fixture(item):
+    """Whether a fixture is made once for all of its module: such tests run in one process."""
+    return any(found[-1].scope == "module" for found in item._fixtureinfo.name2fixturedefs.values())
+
+
+def pytest_runtest_setup(item):
+    if "PYTEST_XDIST_WORKER" in os.environ and item.get_closest_marker("blender"):
+        _render_in_one_thread()
+
+
+def _render_in_one_thread():
+    """Beside other processes Cycles takes one core, not all."""
+    import bpy
+
+    handlers = bpy.app.handlers.render_init
+    if _one_thread not in handlers:
+        handlers.append(bpy.app.handlers.persistent(_one_thread))
+
+
+def _one_thread(scene, *_):
+    scene.render.threads_mode, scene.render.threads = "FIXED", 1
+
+
+# What came out.
+
+def pytest_sessionstart(session):
+    session.config.stash[_BEGUN] = time.monotonic()
+
+
+_BEGUN = pytest.StashKey[float]()
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    if hasattr(config, "workerinput") or config.option.collectonly:
+        return
+    outcomes = {word: {report.nodeid for report in reports if getattr(report, "when", None)}
+                for word, reports in terminalreporter.stats.items()}
+    seconds = time.monotonic() - config.stash[_BEGUN]
+    found = versions.result(outcomes, config.option.markexpr, seconds, datetime.date.today().isoformat())
+    terminalreporter.write_line(versions.line(found))
+    if "PLAUSIBLE_RESULTS" in os.environ:
+        with open(os.environ["PLAUSIBLE_RESULTS"], "a", encoding="utf-8") as file:
+            file.write(json.dumps(found) + "\n")

@@ -223,6 +223,17 @@ def test_blends_need_nothing_beside_them(module, blend, names, count, tmp_path):
     assert np.mean(np.array(image.pixels[:]).reshape(-1, 4)[:, :3]) > 0.03
 
 
+@pytest.mark.versions
+@pytest.mark.parametrize("blend", sorted(path.name for path in BLENDS.glob("*.blend")))
+def test_each_version_opens_the_blends(blend):
+    """They are saved by the oldest: what newer ones save is closed to it."""
+    import bpy
+
+    bpy.ops.wm.open_mainfile(filepath=str(BLENDS / blend))
+    assert bpy.context.scene.camera and bpy.context.scene.cycles.shading_system
+    assert bpy.data.version[:2] == (4, 2), "save it by Blender 4.2: ./run demo all --save-blend"
+
+
 def test_one_file_for_all_scenes_is_refused(capsys, tmp_path):
     from addon import cli
 

@@ -6,7 +6,7 @@ from test_panel import Recorder, context_for, registered, shader_editor, texts  
 from addon import brdf
 from addon.plots import picture, quick
 
-pytestmark = pytest.mark.blender
+pytestmark = [pytest.mark.blender, pytest.mark.versions]
 VIEWS = (0.0, 60.0, 80.0)
 
 

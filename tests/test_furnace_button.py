@@ -8,7 +8,7 @@ from test_panel import bpy, registered  # noqa: F401
 from addon import create_material
 from addon.brdf import MODELS
 
-pytestmark = pytest.mark.blender
+pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 
 @pytest.fixture

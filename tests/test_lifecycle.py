@@ -7,7 +7,7 @@ from addon import create_material
 from addon.brdf import MODELS
 from addon.verify import room
 
-pytestmark = pytest.mark.blender
+pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 
 def node_in(material):

@@ -92,6 +92,7 @@ def original(folder):
 
 
 @pytest.mark.blender
+@pytest.mark.versions
 def test_alone_it_renders_identically(original):
     assert original.error == "" and original.findings == [] and original.written == []
     assert original.identical and portable.difference(original.in_place, original.alone).pixels == 0
@@ -103,6 +104,7 @@ def test_alone_it_renders_identically(original):
 
 
 @pytest.mark.blender
+@pytest.mark.versions
 def test_linked_appended_and_moved_it_renders_identically(folder, original, tmp_path):
     for picture in pictures(tmp_path, [folder / name for name in USERS]):
         assert picture.tobytes() == original.in_place.tobytes(), portable.difference(original.in_place, picture)
@@ -110,6 +112,7 @@ def test_linked_appended_and_moved_it_renders_identically(folder, original, tmp_
 
 
 @pytest.mark.blender
+@pytest.mark.versions
 def test_what_would_be_missing_is_named(folder, capsys, monkeypatch):
     journey = portable.travel(folder / "needy.blend", sys.executable, size=16, samples=1)
     monkeypatch.setattr(portable, "travel", lambda *arguments: journey)
@@ -185,6 +188,7 @@ def traced(blend, target=""):
 
 
 @pytest.mark.blender
+@pytest.mark.versions
 def test_an_asset_tracer_finds_nothing_missing(folder, original, tmp_path):
     """The scene needs itself only; a compressed file that links it, that too. Packed, both render the same bits."""
     alone, scene = traced(folder / LIBRARY, tmp_path / "alone")
@@ -203,6 +207,7 @@ def test_an_asset_tracer_finds_nothing_missing(folder, original, tmp_path):
 
 
 @pytest.mark.blender
+@pytest.mark.versions
 def test_an_asset_tracer_does_not_see_tables_in_files(folder):
     """What Blender knows of, it sees, also a script; but not the tables, which only `plausible portable` names."""
     found, _ = traced(folder / "needy.blend")

@@ -77,18 +77,26 @@ def rgb(values):
     return values if values.ndim == 2 else np.repeat(values[:, None], 3, axis=1)
 
 
-def albedo_of(material, angles_deg, wanted=FURNACE_NOISE):
-    """Furnace of `material` with as many samples as a noise below `wanted` needs; a first look tells how many."""
-    angles = np.atleast_1d(np.asarray(angles_deg, dtype=np.float64))
-    value, noise = verify.furnace(material, angles, samples=64)
-    needed = 64 * (noise.max(axis=1) / (0.8 * wanted)) ** 2
-    # The first look is not kept where it was too noisy: what it happened to show must not choose.
+def sharpened(measure, count, wanted, most=1 << 14):
+    """A Measurement of `count` rows with as many samples, 64 to `most`, as a noise below `wanted` needs in each.
+
+    `measure(rows, samples, seed)` measures some of them. A first look at all tells how many samples a row needs; it is
+    not kept where it was too noisy: what it happened to show must not choose.
+    """
+    value, noise = measure(np.arange(count), 64, 0)
+    needed = np.minimum(64 * (noise.max(axis=1) / (0.8 * wanted)) ** 2, most)
     for low, high in itertools.pairwise((64, 256, 1024, 4096, 1 << 14)):
-        again = (needed > low) & (needed <= high) | (needed > (1 << 14)) & (high == 1 << 14)
-        if again.any():
-            samples = int(np.ceil(min(1.2 * needed[again].max(), 1 << 14)))
-            value[again], noise[again] = verify.furnace(material, angles[again], samples=samples, seed=1)
+        again = np.nonzero((needed > low) & (needed <= high))[0]
+        if len(again):
+            value[again], noise[again] = measure(again, int(np.ceil(min(1.2 * needed[again].max(), most))), 1)
     return verify.Measurement(value, noise)
+
+
+def albedo_of(material, angles_deg, wanted=FURNACE_NOISE):
+    """Furnace of `material`, its noise below `wanted` where that can be."""
+    angles = np.atleast_1d(np.asarray(angles_deg, dtype=np.float64))
+    return sharpened(lambda rows, samples, seed: verify.furnace(material, angles[rows], samples=samples, seed=seed),
+                     len(angles), wanted)
 
 
 def furnace_report(model, parameters, angles, material=None):
@@ -214,6 +222,7 @@ def sun_report(model, parameters, suns=SUNS, material=None):
 
 # White furnace.
 
+@pytest.mark.versions_by_shader
 @pytest.mark.parametrize("model, parameters", cases(covering()), ids=name_of)
 def test_furnace(model, parameters, request):
     # In the everyday selection neighbouring cases share the angles between them.
@@ -228,6 +237,7 @@ def test_furnace(model, parameters, request):
 SUN_SHAPES = [(1.5, 1.0, True), (7.0, 2.0, False), (20.0, 1.0, True), (150.0, 3.0, False), (5000.0, 0.5, True)]
 
 
+@pytest.mark.versions_by_shader
 @pytest.mark.parametrize("model, parameters", cases(SUN_SHAPES), ids=name_of)
 def test_sphere_under_a_sun(model, parameters):
     report = sun_report(model, parameters)
@@ -254,7 +264,17 @@ def peak_of(model, parameters, view):
 
 # What is left over at grazing views and of the widest lobes is grainy: noise of a mean over all pixels, of the peak.
 POINT_GRAINY = 0.02
+POINT_WANTED = 0.001  # no sharper than that: five of it are a quarter of the bound
 POINT_SHAPES = [(1.5, 2.0, False), (20.0, 1.0, True), (150.0, 2.0, False)]
+
+
+def directions_of(material, view_deg, lights, peak, most):
+    """f (N·L) in parts of `peak`, from so many samples, up to `most`, that the noise is below POINT_WANTED."""
+    def measure(rows, samples, seed):
+        f, noise = verify.goniometer(material, view_deg, lights[rows], samples=samples, seed=seed)
+        return f * lights[rows, 2:] / peak, noise * lights[rows, 2:] / peak
+
+    return sharpened(measure, len(lights), POINT_WANTED, most)
 
 
 @pytest.mark.parametrize("view_deg", VIEWS)
@@ -264,9 +284,8 @@ def test_point_by_point(model, parameters, view_deg):
     lights = lights_about(model, parameters, view_deg)
     peak = peak_of(model, parameters, view)
     grainy = view_deg >= 65.0 or parameters["exponent"] < 7.0
-    samples = 1024 if grainy else 256
-    f, noise = verify.goniometer(create_material(model, **parameters), view_deg, lights, samples=samples)
-    measured, noise = f * lights[:, 2:] / peak, noise * lights[:, 2:] / peak
+    material = create_material(model, **parameters)
+    measured, noise = directions_of(material, view_deg, lights, peak, 1024 if grainy else 256)
     reference = rgb(brdf.MODELS[model].evaluate(view, lights, **parameters)) * lights[:, 2:] / peak
     if not grainy:
         assert_good(verify.compare(measured, reference, noise, POINT_BOUND), POINT_NOISE)
@@ -368,7 +387,9 @@ def lamp_points(position, count=12):
     return lights, np.repeat(radiance * np.maximum(lights @ a, 0.0)[:, None] / distance**2 * area, 3, axis=1)
 
 
-LIT_SHAPES = [(7.0, 1.0, False), (20.0, 1.0, True), (150.0, 2.0, True)]
+LIT_SHAPES = [(20.0, 1.0, True), (7.0, 1.0, False), (150.0, 2.0, True)]
+LIT = [*[(model, shape(*values)) for model in PUMPED for values in LIT_SHAPES],
+       *[(model, {"exponent": 20.0}) for model in ("phong", "blinn", "phong_limit")]]
 
 
 def test_area_lamp_of_a_white_diffuse_sphere():
@@ -377,11 +398,23 @@ def test_area_lamp_of_a_white_diffuse_sphere():
     assert_lit(standard.material(), area_lamp, gathered(standard.evaluate, 24, lamp_points), 24, samples=64)
 
 
-@pytest.mark.parametrize("model, parameters", [(m, shape(*s)) for m in PUMPED for s in LIT_SHAPES], ids=name_of)
+@pytest.mark.versions_by_shader
+@pytest.mark.parametrize("model, parameters", LIT, ids=name_of)
 def test_area_lamp(model, parameters):
     size = 24 if parameters["exponent"] <= 20.0 else 48
     reference = gathered(lambda view, light: brdf.MODELS[model].evaluate(view, light, **parameters), size, lamp_points)
     assert_lit(create_material(model, **parameters), area_lamp, reference, size, samples=256)
+
+
+def total_under_the_lamp(model, parameters, size=48, samples=64, pictures=6):
+    """All light of a sphere under the lamp over the formula's, less one, and its standard error."""
+    reference = gathered(lambda view, light: brdf.MODELS[model].evaluate(view, light, **parameters), size, lamp_points)
+    covered = zones_of(reference, size)[0]
+    with room.Room(create_material(model, **parameters), room.BALL, size, exact_pixels=True) as place:
+        area_lamp(place)
+        place.look_from((0.0, 0.0, 1.0), 2.0 * (1.0 + 1.0 / size))
+        ratios = [verify.total_ratio(place.render(samples, seed), reference, covered) for seed in range(pictures)]
+    return np.mean(ratios) - 1.0, np.std(ratios, ddof=1) / np.sqrt(pictures)
 
 
 @pytest.fixture(scope="module")

@@ -22,6 +22,7 @@ from test_render import (
     plane,
     rgb,
     sockets_of,
+    total_under_the_lamp,
 )
 
 from addon import brdf, create_material, verify
@@ -74,6 +75,7 @@ def held(model, given, bound=FURNACE_BOUND):
     assert (np.abs(error) <= bounds + SIGMAS * noise).all(), np.round(error[:, 1], 5)
 
 
+@pytest.mark.versions_by_shader
 @pytest.mark.parametrize("model, given", SHAPES, ids=name_of)
 def test_furnace(model, given):
     held(model, given)
@@ -99,12 +101,21 @@ SUNS = [("ward", {}, 0.01, TOTAL_BOUND), ("he_torrance", {}, 0.01, TOTAL_BOUND),
         ("ashikhmin_shirley", {"base_color": 0.5, "diffuse_color": (0.5, 0.3, 0.1)}, KINKED, KINKED_TOTAL)]
 
 
+@pytest.mark.versions_by_shader
 @pytest.mark.parametrize("model, given, bound, total", SUNS, ids=name_of)
 def test_sphere_under_a_sun(model, given, bound, total):
     report = Sun(create_material(model, **given), lambda view, light: brdf.MODELS[model].evaluate(view, light, **given),
                  (0.0, 40.0, 65.0, 80.0), 40)
     assert report.l1().max() <= bound, report
     assert (np.abs(report.total()) <= total + SIGMAS * report.noise()).all(), report
+
+
+@pytest.mark.versions_by_shader
+@pytest.mark.parametrize("model, given", [("ward", {})], ids=name_of)
+def test_area_lamp(model, given):
+    off, noise = total_under_the_lamp(model, given)
+    bound = 5e-3 + 0.5 * LEANING[1]
+    assert noise <= 0.004 and abs(off) <= bound + SIGMAS * noise, f"off by {off}, noise {noise}"
 
 
 @pytest.mark.parametrize("view_deg", [5.0, 50.0])

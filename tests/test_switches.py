@@ -6,7 +6,7 @@ from test_panel import bpy, context_for, drawn, operators, registered, texts  # 
 from addon import create_material
 from addon.verify import room
 
-pytestmark = pytest.mark.blender
+pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 
 def values_of(material):

@@ -12,7 +12,7 @@ from test_panel import Recorder, bpy, context_for, drawn, operators, registered,
 from addon.brdf import MODELS
 from addon.version import VERSION, parts
 
-pytestmark = pytest.mark.blender
+pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 OLD = Path(__file__).parent / "data" / "version_0_1.blend"
 
