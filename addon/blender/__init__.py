@@ -8,12 +8,15 @@ def register():
     """Register everything. What fails is raised, after all that was registered before it is taken back."""
     import bpy
 
-    from . import energy, luts, materials, operators, panels, preferences, properties
+    from . import energy, icons, luts, materials, operators, panels, preferences, properties
 
     global _registered
     if _registered is not None:
         raise RuntimeError("Plausible BRDF is registered already")
     with contextlib.ExitStack() as undo:
+        icons.load()
+        undo.callback(icons.stop)
+        properties.declare_model()
         for module in (properties, operators, panels, energy, preferences):
             for cls in module.CLASSES:
                 bpy.utils.register_class(cls)
