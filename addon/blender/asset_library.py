@@ -1,18 +1,16 @@
 """The asset library that comes with the extension: presets as materials, models as nodes, to drag and drop."""
-from pathlib import Path
-
 import bpy
 
+from ..assets import LIBRARY
+
 NAME = "Plausible BRDF"
-FOLDER = Path(__file__).resolve().parents[1] / "assets"
-FILE = FOLDER / "plausible.blend"
 
 
 def start():
     """Add the library to the preferences, in place of one that an earlier start left there."""
     stop()
-    if FILE.is_file():
-        library = bpy.context.preferences.filepaths.asset_libraries.new(name=NAME, directory=str(FOLDER))
+    if LIBRARY.is_file():
+        library = bpy.context.preferences.filepaths.asset_libraries.new(name=NAME, directory=str(LIBRARY.parent))
         # What is dragged in becomes the file's own: the extension may go.
         library.import_method = "APPEND_REUSE"
         library.use_relative_path = False

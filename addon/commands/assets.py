@@ -3,6 +3,7 @@ import json
 import sys
 from pathlib import Path
 
+from .. import assets as shipped
 from ..cli import CommandError
 from ..packaging import assets
 from ..verify.room import quiet, require_blender
@@ -13,7 +14,7 @@ DESCRIPTION = ("Make the asset library that ships with the extension: presets as
 
 
 def add_arguments(parser):
-    parser.add_argument("--output", type=Path, default=assets.FOLDER, metavar="DIR",
+    parser.add_argument("--output", type=Path, default=shipped.LIBRARY.parent, metavar="DIR",
                         help="where the library goes (default: where the extension has it)")
     parser.add_argument("--json", action="store_true", help="print JSON")
 

@@ -5,16 +5,16 @@ Blender reads files of its own and older versions, so the file that ships is to 
 import uuid
 from pathlib import Path
 
+from ..assets import LIBRARY, model_preview, preset_preview
 from ..brdf import MODELS
 from ..brdf.presets import PRESETS
 
-FOLDER = Path(__file__).resolve().parents[1] / "assets"
-NAME, CATALOGUES, PREVIEWS = "plausible.blend", "blender_assets.cats.txt", FOLDER / "previews"
+CATALOGUES = "blender_assets.cats.txt"
 _NODES = "Plausible/Nodes"
 _SPACE = uuid.UUID("6d3f7c0e-52a1-4f0b-9f0c-6b1de52a4f10")  # any one: catalogues keep their ids from build to build
 
 
-def build(folder: Path = FOLDER, progress=lambda done, total: None) -> Path:
+def build(folder: Path = LIBRARY.parent, progress=lambda done, total: None) -> Path:
     """Write the library into `folder` and return its path; what is open in Blender is lost.
 
     `progress(done, total)` counts materials and nodes. Raises OSError where the folder cannot be written.
@@ -28,17 +28,18 @@ def build(folder: Path = FOLDER, progress=lambda done, total: None) -> Path:
     total, made = len(PRESETS) + len(shown), set()
     for key, preset in PRESETS.items():
         material = materials.create_material(preset.model, preset.label, **preset.parameters)
-        _mark(material, key, preset.help, _catalogue(preset), (preset.group, MODELS[preset.model].label))
+        tags = preset.group, MODELS[preset.model].label
+        _mark(material, preset_preview(key), preset.help, _catalogue(preset), tags)
         made.add(material)
         progress(len(made), total)
     for model in shown:
         tree = nodes.find_node(materials.create_material(model.id)).node_tree
-        _mark(tree, model.id, model.description, _NODES, ("BRDF",))
+        _mark(tree, model_preview(model.id), model.description, _NODES, ("BRDF",))
         made.add(tree)
         progress(len(made), total)
     folder.mkdir(parents=True, exist_ok=True)
     _write_catalogues(folder / CATALOGUES)
-    path = folder / NAME
+    path = folder / LIBRARY.name
     part = path.with_suffix(".part.blend")
     bpy.data.libraries.write(str(part), made, compress=True)
     part.replace(path)
@@ -47,8 +48,9 @@ def build(folder: Path = FOLDER, progress=lambda done, total: None) -> Path:
 
 def missing_previews() -> list:
     """Presets and models that have no thumbnail, by id."""
-    keys = [*PRESETS, *(model.id for model in MODELS.values() if not model.baked)]
-    return [key for key in keys if not (PREVIEWS / f"{key}.png").is_file()]
+    pictures = {key: preset_preview(key) for key in PRESETS}
+    pictures |= {model.id: model_preview(model.id) for model in MODELS.values() if not model.baked}
+    return [key for key, path in pictures.items() if not path.is_file()]
 
 
 def _catalogue(preset):
@@ -60,7 +62,7 @@ def identifier(catalogue: str) -> str:
     return str(uuid.uuid5(_SPACE, catalogue))
 
 
-def _mark(block, key, description, catalogue, tags):
+def _mark(block, picture, description, catalogue, tags):
     import bpy
 
     block.asset_mark()
@@ -69,7 +71,7 @@ def _mark(block, key, description, catalogue, tags):
     data.author, data.license = "Plausible BRDF contributors", "GPL-3.0-or-later"
     for tag in tags:
         data.tags.new(tag, skip_if_exists=True)
-    image = bpy.data.images.load(str(PREVIEWS / f"{key}.png"))
+    image = bpy.data.images.load(str(picture))
     preview = block.preview_ensure()
     preview.image_size = image.size
     preview.image_pixels_float.foreach_set(list(image.pixels))

@@ -1,0 +1,47 @@
+"""`plausible previews`."""
+import time
+from pathlib import Path
+
+from .. import assets
+from ..brdf import MODELS
+from ..brdf.presets import PRESETS
+from ..cli import CommandError, require
+
+DESCRIPTION = ("Render the small pictures of models and presets that the panel's menus show: a ball each. Models that "
+               "are baked take their time to bake.")
+LARGEST = 12 * 1024  # bytes of a picture: they all travel in the extension's zip
+
+
+def add_arguments(parser):
+    parser.add_argument("name", nargs="*", metavar="NAME",
+                        help="model or preset, see `plausible list`; all of both when none is given")
+    parser.add_argument("--missing", action="store_true", help="only those that have no picture yet")
+    parser.add_argument("--output", type=Path, default=assets.PREVIEWS, metavar="DIR",
+                        help="folder of the models' pictures, with a folder for those of presets (default %(default)s)")
+
+
+def run(arguments):
+    for name in arguments.name:
+        if name not in MODELS and name not in PRESETS:
+            raise CommandError(f"no model or preset {name!r}; there are {', '.join([*MODELS, *PRESETS])}")
+    require("bpy", "render")
+    require("PIL", "demo")
+    from ..demo import previews
+
+    for path, model_id, parameters, headlight in _jobs(arguments, previews):
+        start = time.monotonic()
+        previews.render(path, model_id, parameters, headlight)
+        size = path.stat().st_size
+        if size > LARGEST:
+            raise CommandError(f"{path}: {size} bytes, more than {LARGEST}")
+        print(f"{path}  {size / 1024:.1f} KB, {time.monotonic() - start:.0f} s", flush=True)
+
+
+def _jobs(arguments, previews):
+    """(path, model, parameters, whether a light stands at the camera) of each picture to render."""
+    names = arguments.name or [*MODELS, *PRESETS]
+    found = [(assets.model_preview(name, arguments.output), name, previews.look(name), False)
+             for name in names if name in MODELS]
+    found += [(assets.preset_preview(name, arguments.output), PRESETS[name].model, PRESETS[name].parameters,
+               PRESETS[name].parameters.get("retro", 0.0) > 0.5) for name in names if name in PRESETS]
+    return [job for job in found if not (arguments.missing and job[0].exists())]
