@@ -23,10 +23,11 @@ def _modules():
         switches,
         upgrade,
         watch,
+        words,
     )
 
-    return (icons, properties, operators, switches, add_menu, bakes, panels, energy, furnace_test, preferences, cache,
-            luts, rebake, upgrade, watch, asset_library)
+    return (words, icons, properties, operators, switches, add_menu, bakes, panels, energy, furnace_test, preferences,
+            cache, luts, rebake, upgrade, watch, asset_library)
 
 
 def register():

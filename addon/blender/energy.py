@@ -13,12 +13,14 @@ import numpy as np
 from ..plots import picture, quick
 from .nodes import socket_of, values
 from .panels import Face, draw_text, in_both_places
+from .words import say
 
 PAUSE = 0.05  # seconds from a redraw to the plot that it asks for: a slider that is dragged redraws more often
 KEPT = 12  # materials whose plots are kept
 SMALLEST, LARGEST = 6.5, 12.0  # side of a half of the picture in units of 20 pixels, which are about a button
 SHOWN_IN = ("PROPERTIES", "NODE_EDITOR")
-ROOTS = {1: "", 2: " by their square root", 3: " by their cube root"}
+ROOTS = {1: "Lobes f N·L, with their peaks in 1/sr", 2: "Lobes f N·L by their square root, with their peaks in 1/sr",
+         3: "Lobes f N·L by their cube root, with their peaks in 1/sr"}
 
 
 @dataclass
@@ -161,16 +163,17 @@ def draw_text_above_one(layout, context, plot):
     highest = np.nan_to_num(plot.albedo).max(axis=1)
     if highest.max() > 1.0 + quick.TOLERANCE:
         view, most = quick.VIEWS[highest.argmax()], highest.max()
-        draw_text(layout, context, f"Gives more light than it gets: {most:.3g} times at {view:.3g}°", "ERROR")
+        draw_text(layout, context, say(
+            "Gives more light than it gets: {times:.3g} times at {view:.3g}°", times=most, view=view), "ERROR")
 
 
 def legend(plot) -> str:
     """What the picture shows, in words."""
-    parts = ["Albedo by the angle of the view" + (", gray before pumping" if plot.unpumped is not None else ""),
-             f"Lobes f N·L{ROOTS[picture.power_of(plot)]}, with their peaks in 1/sr"]
+    parts = ["Albedo by the angle of the view, gray before pumping" if plot.unpumped is not None else
+             "Albedo by the angle of the view", ROOTS[picture.power_of(plot)]]
     if plot.along_tangent:
         parts.append("Seen along the tangent")
-    return ". ".join(parts)
+    return ". ".join(map(say, parts))
 
 
 def driven_lines(node, model) -> list:
@@ -180,8 +183,8 @@ def driven_lines(node, model) -> list:
         socket = socket_of(node, parameter)
         if parameter.evaluated and socket is not None and socket.is_linked:
             source = socket.links[0].from_node
-            lines.append(f"{parameter.label} is driven by {source.label or source.name}: plotted for the value of its "
-                         "socket")
+            lines.append(say("{parameter} is driven by {node}: plotted for the value of its socket",
+                             parameter=say(parameter.label), node=source.label or source.name))
     return lines
 
 

@@ -18,6 +18,7 @@ from . import nodes, osl
 from .areas import redraw
 from .operators import OnMaterial, material_of
 from .panels import Face, draw_text, in_both_places
+from .words import say
 
 ROOT = Path(__file__).resolve().parents[2]
 SAMPLES = 256
@@ -217,18 +218,23 @@ class PLAUSIBLE_OT_cancel_furnace_test(bpy.types.Operator):
 
 def progress_text(job) -> str:
     """How far the test is, for panel and status bar."""
-    return f"Furnace test, render {job.done} of {job.total}" if job.done else "Furnace test, starting"
+    if not job.done:
+        return say("Furnace test, starting")
+    return say("Furnace test, render {done} of {total}", done=job.done, total=job.total)
+
+
+_WRONG = "The furnace differs from the formula: at most {most:.4f} off, at {view:g}°"
 
 
 def verdict_text(job) -> str:
     """What the test found, in a sentence."""
     if job.verdict is None:
-        return "Measured; there is no formula for a material with something plugged in or mixed"
+        return say("Measured; there is no formula for a material with something plugged in or mixed")
     worst = max((abs(a - b), row["angle_deg"]) for row in job.rows
                 for a, b in zip(row["measured"], row["reference"], strict=True))
-    words = {"ok": "The furnace agrees with the formula", "noisy": "Too noisy to tell"}
-    said = words.get(job.verdict, "The furnace differs from the formula")
-    return f"{said}: at most {worst[0]:.4f} off, at {worst[1]:g}°"
+    words = {"ok": "The furnace agrees with the formula: at most {most:.4f} off, at {view:g}°",
+             "noisy": "Too noisy to tell: at most {most:.4f} off, at {view:g}°"}
+    return say(words.get(job.verdict, _WRONG), most=worst[0], view=worst[1])
 
 
 class _FurnaceTest(Face):

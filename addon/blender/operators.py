@@ -241,9 +241,27 @@ class PLAUSIBLE_MT_presets(bpy.types.Menu):
     bl_label = "Presets"
 
     def draw(self, context):
+        for menu in _GROUP_MENUS:
+            self.layout.menu(menu.bl_idname)
+
+
+class _OfGroup:
+    """A menu of the presets of one group."""
+
+    def draw(self, context):
         for name, preset in PRESETS.items():
-            icon = icons.of_preset(name)
-            self.layout.operator("plausible.apply_preset", text=preset.label, icon_value=icon).preset = name
+            if preset.group == self.bl_label:
+                icon = icons.of_preset(name)
+                self.layout.operator("plausible.apply_preset", text=preset.label, icon_value=icon).preset = name
+
+
+def _group_menus():
+    groups = dict.fromkeys(preset.group for preset in PRESETS.values())
+    return tuple(type(name, (_OfGroup, bpy.types.Menu), {"bl_idname": name, "bl_label": group})
+                 for group in groups for name in [f"PLAUSIBLE_MT_presets_{group.lower().replace(' ', '_')}"])
+
+
+_GROUP_MENUS = _group_menus()
 
 
 class PLAUSIBLE_OT_upgrade(bpy.types.Operator):
@@ -259,7 +277,7 @@ class PLAUSIBLE_OT_upgrade(bpy.types.Operator):
 
     def execute(self, context):
         said = upgrade.upgrade_all() or "No node is of an earlier version"
-        self.report({"WARNING"} if "Not upgraded" in said else {"INFO"}, said)
+        self.report({"WARNING"} if upgrade.outdated() else {"INFO"}, said)
         return {"FINISHED"}
 
 
@@ -287,6 +305,6 @@ class PLAUSIBLE_OT_update_materials(bpy.types.Operator):
 CLASSES = (
     PLAUSIBLE_OT_new_material, PLAUSIBLE_OT_use_osl, PLAUSIBLE_OT_set_metal, PLAUSIBLE_MT_metals,
     PLAUSIBLE_OT_apply_preset, PLAUSIBLE_OT_convert, PLAUSIBLE_MT_convert, PLAUSIBLE_OT_bake_weights,
-    PLAUSIBLE_MT_presets,
+    PLAUSIBLE_MT_presets, *_GROUP_MENUS,
     PLAUSIBLE_OT_upgrade, PLAUSIBLE_OT_update_materials,
 )

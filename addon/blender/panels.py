@@ -9,6 +9,7 @@ from . import bakes, icons, luts, rebake, status, switches
 from .nodes import animated, baked_error, driven, is_stale, socket_of, values
 from .operators import material_of, plausible_node
 from .properties import NAMES
+from .words import say
 
 _AT_GRAZING = {"grazing_exponent", "retro_grazing_exponent"}  # read where exponents vary with the angle
 _METAL_IDS = {"base_color", "ior", "extinction"}
@@ -24,7 +25,7 @@ def draw_text(layout, context, text, icon="NONE"):
     width = max(20, int((context.region.width / scale - 70) / 6.5))
     column = layout.column(align=True)
     column.scale_y = 0.8
-    for line in textwrap.wrap(text, width):
+    for line in textwrap.wrap(say(text) if "{" not in text else text, width):
         column.label(text=line, icon=icon)
         icon = "BLANK1" if icon != "NONE" else "NONE"
 
@@ -133,10 +134,13 @@ def draw_weights(layout, context, material, node):
     """What is amiss with the weights of a baked model: links that they cannot follow, values that they are not for."""
     links, moving = driven(node), animated(node)
     if links or moving:
-        changed = [f"{what} {', '.join(names)}" for what, names in
-                   (("is plugged into", links), ("animates", moving)) if names]
-        draw_text(layout.box(), context, "This model is baked for one value of each parameter and cannot follow what "
-                                         f"{' and what '.join(changed)}: it renders striped", "ERROR")
+        text = ("This model is baked for one value of each parameter and cannot follow what is plugged into {names}: "
+                "it "
+                "renders striped" if links else
+                "This model is baked for one value of each parameter and cannot follow what animates {names}: it "
+                "renders "
+                "striped")
+        draw_text(layout.box(), context, say(text, names=", ".join(links or moving)), "ERROR")
     elif rebake.is_running(material):
         draw_text(layout, context, "Baking the weights for these values", "TIME")
     elif is_stale(node):
@@ -147,8 +151,8 @@ def draw_weights(layout, context, material, node):
         note = layout.row()
         note.active = False
         lobe, albedo = (f"{100.0 * part:.2g}" for part in baked_error(node))
-        draw_text(note, context, f"Baked: up to 80° lobes are within {lobe} %, their light within {albedo} %",
-                  "CHECKMARK")
+        draw_text(note, context, say("Baked: up to 80° lobes are within {lobe} %, their light within {albedo} %",
+                                     lobe=lobe, albedo=albedo), "CHECKMARK")
 
 
 class _Lobe(Face):

@@ -5,6 +5,7 @@ import bpy
 
 from ..brdf import tables
 from . import groups, luts, nodes, osl, stand_in, switches, upgrade
+from .words import say
 
 OLDEST = (4, 2, 0)
 
@@ -50,7 +51,8 @@ _NATIVE = Cure("plausible.switch_native", "Native Approximation")
 
 def _build_lacks_something():
     if bpy.app.version < OLDEST:
-        return Notice(f"Blender {bpy.app.version_string} is too old: this needs 4.2 or later", _GET_BLENDER)
+        return Notice(say(
+            "Blender {version} is too old: this needs 4.2 or later", version=bpy.app.version_string), _GET_BLENDER)
     reason = osl.unavailable()
     return reason and Notice(reason, _GET_BLENDER)
 
@@ -79,9 +81,11 @@ def _wrong_device(scene):
     if scene.render.engine != "CYCLES" or scene.cycles.device != "GPU":
         return None
     # Cycles keeps 1 KB a hit for OSL's closures there, and does not look whether they fit.
-    text = ("On the GPU these materials ask for more room than Cycles has" if osl.supports_osl(scene)
-            else "OSL on GPU needs OptiX, and these materials more room than Cycles has there")
-    return Notice(f"{text}: render on the CPU, or what Cycles ships in place of the model", Cure(
+    text = ("On the GPU these materials ask for more room than Cycles has: render on the CPU, or what Cycles ships in "
+            "place of the model" if osl.supports_osl(scene) else
+            "OSL on GPU needs OptiX, and these materials more room than Cycles has there: render on the CPU, or what "
+            "Cycles ships in place of the model")
+    return Notice(text, Cure(
         "wm.context_set_enum", "Render on CPU", {"data_path": "scene.cycles.device", "value": "CPU"}), _NATIVE)
 
 
@@ -90,18 +94,19 @@ def _native(node):
     try:
         lobe, albedo = stand_in.error(nodes.model_of(node), nodes.values(node))
     except ValueError:  # an image that cannot be read
-        found = ""
+        text = say("Cycles renders the native approximation in place of the model")
     else:
-        found = f". Its lobe differs by {lobe:.2g} %, its albedo by {albedo:.2g} %"
-    return Notice(f"Cycles renders the native approximation in place of the model{found}",
-                  Cure("plausible.switch_native", "Render the Model"), icon="INFO")
+        text = say("Cycles renders the native approximation in place of the model. Its lobe differs by {lobe:.2g} %, "
+                   "its "
+                   "albedo by {albedo:.2g} %", lobe=lobe, albedo=albedo)
+    return Notice(text, Cure("plausible.switch_native", "Render the Model"), icon="INFO")
 
 
 def _newer(node):
     if not upgrade.is_newer(node):
         return None
-    return Notice(f"Made by version {upgrade.version_of(node)} of the extension: this one is older and may not know "
-                  "all of it", icon="INFO")
+    return Notice(say("Made by version {version} of the extension: this one is older and may not know all of it",
+                      version=upgrade.version_of(node)), icon="INFO")
 
 
 def _older(material):
@@ -126,8 +131,8 @@ def _beyond(node):
         span = spans.get(name)
         if span is None or tables.covers(span, exponent):
             continue
-        text = (f"Exponent {exponent:.6g} is beyond the material's tables, which are for {span[0]:g} to {span[1]:g}: "
-                "it renders striped")
+        text = say("Exponent {exponent:.6g} is beyond the material's tables, which are for {low:g} to {high:g}: it "
+                   "renders striped", exponent=exponent, low=span[0], high=span[1])
         if luts.problem([name]) is None and tables.covers(tables.in_use(name).span, exponent):
             return Notice(text, Cure("plausible.update_materials", "Update Materials"))
         return Notice(text, Cure("plausible.choose_bake", "Bake LUTs", {"models": {model.id}}))

@@ -10,6 +10,7 @@ from ..version import VERSION, parts
 from . import groups, nodes
 from .groups import LUT_KEY, MODEL_KEY, VERSION_KEY
 from .replace import replace_node
+from .words import say
 
 _OLD_STAND_IN = "Stand-in for EEVEE"  # the Principled node of materials before 0.2
 told = ""  # what the last upgrade did, for the panel; "" where there was nothing to do
@@ -53,10 +54,10 @@ def upgrade_all() -> str:
             done.append(owner)
     words = []
     if done:
-        words.append(f"Upgraded to {VERSION}: {', '.join(sorted(set(done)))}. The file on disk is as it was until you "
-                     "save")
+        words.append(say("Upgraded to {version}: {names}. The file on disk is as it was until you save",
+                         version=VERSION, names=", ".join(sorted(set(done)))))
     if failed:
-        words.append(f"Not upgraded: {'; '.join(failed)}")
+        words.append(say("Not upgraded: {names}", names="; ".join(failed)))
     return ". ".join(words)
 
 
