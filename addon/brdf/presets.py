@@ -81,13 +81,13 @@ _PLASTICS = {
         (0.55, 0.02, 0.015), 250.0),
     "matte_plastic": _body(
         "Plastics", "Matte Plastic", "From a textured mould, as housings are: refractive index 1.5, colour by eye",
-        (0.11, 0.11, 0.12), 8.0),
+        (0.11, 0.11, 0.12), 12.0),
     "coated_plastic": _body(
         "Plastics", "Coated Plastic", "A diffuse body under a clear coat of refractive index 1.5, colour by eye",
         (0.04, 0.13, 0.45), 400.0),
     "rubber": _body(
         "Plastics", "Rubber", "Black rubber with a dull sheen: refractive index 1.5, colour and width by eye",
-        (0.02, 0.02, 0.02), 3.0),
+        (0.02, 0.02, 0.02), 8.0),
 }
 _CERAMICS = {
     "porcelain": _body(
@@ -101,7 +101,7 @@ _CERAMICS = {
         (0.04, 0.09, 0.20), 25.0),
     "terracotta": _body(
         "Ceramics", "Terracotta", "Unglazed clay: nearly diffuse, what is reflected hardly shows; colour by eye",
-        (0.42, 0.14, 0.06), 1.0),
+        (0.42, 0.14, 0.06), 6.0),
 }
 _PAINTS = {
     "car_paint": Preset(
@@ -122,7 +122,7 @@ _PAINTS = {
         (0.02, 0.22, 0.09), 90.0),
     "wall_paint": _body(
         "Paints", "Wall Paint", "Emulsion paint: diffuse, with a sheen at grazing; refractive index 1.5, white by eye",
-        (0.82, 0.80, 0.75), 2.0),
+        (0.82, 0.80, 0.75), 6.0),
 }
 _FABRICS = {
     "satin": _body(
@@ -133,11 +133,10 @@ _FABRICS = {
         "Fabrics", "Silk", "Taffeta: threads one way shine, in another colour than the rest; all by eye",
         (0.05, 0.12, 0.30), 8.0, (0.10, 0.09, 0.06), radius_u=0.3, radius_v=1.0),
     "velvet": Preset(
-        "Fabrics", "Velvet", "lafortune", "Dark where the pile is seen from above, bright along its edges: lobes that "
-        "scatter at grazing, back and forward; all by eye",
-        {"weight_1": 0.8, "exponent_1": 3.0, "cxy_1": 1.1, "cz_1": 0.0,
-         "weight_2": 0.35, "exponent_2": 3.0, "cxy_2": -1.1, "cz_2": 0.0, "weight_3": 0.0,
-         "base_color": (0.65, 0.10, 0.30), "diffuse_color": (0.05, 0.002, 0.012)}),
+        "Fabrics", "Velvet", "edwards_fit", "Dark where the pile is seen from above, and bright along its edge in its "
+        "own colour; what real pile also sends back to the light is left out. All by eye",
+        {"diffuse_color": (0.06, 0.003, 0.015), "base_color": (0.01, 0.002, 0.004), "f90": (0.75, 0.12, 0.35),
+         "exponent": 2.0, "radius": 1.0, "blend": 0.0}),
 }
 _RETROREFLECTORS = {
     "road_paint": _body(
@@ -161,7 +160,7 @@ _RETROREFLECTORS = {
     "safety_vest": _body(
         "Retroreflectors", "Safety Vest", "Lime cloth with fine glass beads: bright by day, and its own colour at "
         "night; all by eye",
-        (0.50, 0.72, 0.02), 3.0, (0.35, 0.50, 0.05), retro=0.9, retro_exponent=60.0),
+        (0.50, 0.72, 0.02), 8.0, (0.35, 0.50, 0.05), retro=0.9, retro_exponent=60.0),
 }
 
 PRESETS = {**_METALS, **_PLASTICS, **_CERAMICS, **_PAINTS, **_FABRICS, **_RETROREFLECTORS}

@@ -64,7 +64,7 @@ SCENES = {
     "presets": Scene(
         "presets", "presets.png", "presets.blend", "Presets in stock Cycles",
         "Spheres under an HDRI, and a lamp beside the camera that shows what comes back to it. No denoising.",
-        9, (144, 144), 96),
+        9, (112, 112), 64),
 }
 
 
@@ -74,10 +74,10 @@ def add_arguments(parser):
     parser.add_argument("--output", type=Path, default=Path("out/demo"), metavar="DIR",
                         help="folder of the pictures (default %(default)s)")
     parser.add_argument("--samples", type=_count, metavar="N",
-                        help="samples per pixel, at most (default 64; spheres 48, furnace and presets 96)")
+                        help="samples per pixel, at most (default 64; spheres 48, furnace 96)")
     parser.add_argument("--resolution", type=_resolution, metavar="WxH",
                         help="size of each panel (default 480x360; spheres 640x480, road 640x368, furnace 960x480, "
-                             "reflector 320x300, presets 144x144)")
+                             "reflector 320x300, presets 112x112)")
     parser.add_argument("--save-blend", type=Path, nargs="?", const=SAVE_THERE, metavar="FILE",
                         help="only write the scene, dressed as the last panel (default its own file in demo_blends)")
 

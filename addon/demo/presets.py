@@ -15,8 +15,9 @@ from .spheres import sky
 
 COLUMNS = 9
 RADIUS, SPACING = 0.46, 1.0
-LAMP_ASIDE, LAMP_ENERGY, LAMP_ANGLE = (0.03, 0.04), 0.35, 2.0  # slopes to the right and up, W/m², degrees across
-EXPOSURE = 0.35  # stops
+HDRI, HDRI_TURN = "interior.exr", 0.0
+LAMP_ASIDE, LAMP_ENERGY, LAMP_ANGLE = (0.03, 0.04), 0.06, 2.0  # slopes to the right and up, W/m², degrees across
+EXPOSURE = -0.1  # stops
 GROUND = (0.82, 0.82, 0.83)  # sRGB, behind the spheres
 
 
@@ -39,7 +40,7 @@ def build(resolution):
         body.material_slots[0].link = "OBJECT"  # the mesh is shared
         body.material_slots[0].material = _material(name, preset)
         body.visible_diffuse = body.visible_glossy = body.visible_shadow = False  # none sees another
-    sky(scene)
+    sky(scene, HDRI, HDRI_TURN)
     _lamp(scene)
     camera = parts.camera(scene, (0.0, -10.0, 0.0), pitch=0.0, lens=50.0).data
     camera.type, camera.ortho_scale = "ORTHO", max(COLUMNS * SPACING, rows * SPACING * resolution[1] / resolution[0])

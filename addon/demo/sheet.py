@@ -2,6 +2,7 @@
 from pathlib import Path
 
 MARGIN, GAP, HEAD, CAPTION = 28, 14, 92, 30  # pixels, for panels 480 wide; text shrinks with narrower ones
+SMALLEST = 0.62  # of that text: what can still be read
 INK, PAPER, FAINT = "#1b1b1d", "#ffffff", "#6a6a70"
 
 
@@ -13,7 +14,7 @@ def compose(paths, captions, columns: int, title: str, note: str, output: Path):
 
     pictures = [image.imread(path) for path in paths]
     height, width = pictures[0].shape[:2]
-    scale = min(width / 480.0, 1.0)
+    scale = min(max(width / 480.0, SMALLEST), 1.0)
     rows = -(-len(pictures) // columns)
     full_width = 2 * MARGIN + columns * width + (columns - 1) * GAP
     full_height = HEAD + rows * (height + CAPTION) + (rows - 1) * GAP + MARGIN

@@ -125,20 +125,20 @@ def _material(sphere):
     return material
 
 
-def sky(scene):
-    """The HDRI, packed, so that the file needs none beside it."""
+def sky(scene, name=HDRI, turned=HDRI_TURN):
+    """The HDRI `name` of Blender's own, `turned` by degrees about z; packed, so that the file needs none beside it."""
     folder = Path(bpy.utils.resource_path("LOCAL")) / "datafiles" / "studiolights" / "world"
-    image = bpy.data.images.load(str(folder / HDRI))
+    image = bpy.data.images.load(str(folder / name))
     image.pack()
-    image.filepath_raw = f"//{HDRI}"  # no path of this machine in the file
+    image.filepath_raw = f"//{name}"  # no path of this machine in the file
     for packed in image.packed_files:
-        packed.filepath = f"//{HDRI}"
+        packed.filepath = f"//{name}"
     world = scene.world = bpy.data.worlds.new("Sky")
     tree = parts.nodes_of(world)
     coordinates, turn, sky, background, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in (
         "TexCoord", "Mapping", "TexEnvironment", "Background", "OutputWorld"))
     sky.image = image
-    turn.inputs["Rotation"].default_value[2] = math.radians(HDRI_TURN)
+    turn.inputs["Rotation"].default_value[2] = math.radians(turned)
     for output_socket, input_socket in (
             (coordinates.outputs["Generated"], turn.inputs["Vector"]), (turn.outputs[0], sky.inputs["Vector"]),
             (sky.outputs["Color"], background.inputs["Color"]), (background.outputs[0], output.inputs["Surface"])):
