@@ -21,6 +21,7 @@ COMMANDS = {
     "figures": ("addon.commands.figures", "plots of albedos and lobes"),
     "demo": ("addon.commands.demo", "build and render the demo scene"),
     "assets": ("addon.commands.assets", "make the asset library that ships with the extension"),
+    "docs": ("addon.commands.docs", "write the models' pages from the registry"),
     "bench": ("addon.commands.bench", "efficiency against Cycles' own closures"),
 }
 
