@@ -13,10 +13,9 @@ from ..compare import lobes
 from ..pages.model_page import picture_name
 from ..pages.shown import shown
 from .compare import VIEWS, _mark, _polar, _protractor
-from .rtr import _before_ground
 from .style import GREY, INK, SHADES, STYLE
 
-SIZE, DPI = (10.4, 2.3), 100  # inches, pixels an inch
+SIZE, DPI = (10.4, 2.15), 100  # inches, pixels an inch
 SIDE = 120  # of a ball's tile, pixels
 LIGHT = 45.0  # degrees
 LINES = (SHADES[1], SHADES[2], SHADES[4])
@@ -47,8 +46,8 @@ def draw(model, tiles, radius: float):
         FigureCanvasAgg(figure)
         for i, (value, colour) in enumerate(zip(this.values, LINES, strict=True)):
             at = figure.add_axes((0.005 + 0.17 * i, 0.14, 0.165, 0.84))
-            tile = _before_ground(tiles[:, i * side:(i + 1) * side, :3], radius * side)
-            at.imshow(1.0 - (1.0 - tile) * _disk(side, radius), interpolation="bicubic", vmin=0.0, vmax=1.0)
+            tile = tiles[:, i * side:(i + 1) * side, :3]
+            at.imshow(1.0 - (1.0 - tile) * _disk(side, radius), interpolation="bilinear", vmin=0.0, vmax=1.0)
             at.set_axis_off()
             at.text(0.5, -0.02, this.label(value), transform=at.transAxes, ha="center", va="top", color=colour,
                     size=9.0, weight="bold")
@@ -58,7 +57,7 @@ def draw(model, tiles, radius: float):
 
 
 def _disk(side, radius):
-    """1 inside a ball and 0 outside, (side, side, 1): what is around it is the page's white."""
+    """1 inside a ball and 0 outside, (side, side, 1): what is around a ball is to be the page's white."""
     x = np.arange(side) + 0.5 - 0.5 * side
     return np.clip(radius * side - np.hypot(x, x[:, None]) + 0.5, 0.0, 1.0)[..., None]
 
