@@ -17,7 +17,7 @@ SUN_ENERGY, SUN_ANGLE = 0.3, 6.0  # irradiance in W/m² where it stands above, a
 SKY = {  # sine of the elevation: radiance; below the horizon, as at 0, it is dark ground
     0.0: (0.12,) * 3, 0.06: (0.6,) * 3, 0.4: (0.34,) * 3, 1.0: (0.18,) * 3,
 }
-SAMPLES = 28
+SAMPLES = 18
 
 
 def build(model, side: int):
