@@ -12,15 +12,15 @@ from .shown import shown
 INDEX = "README.md"
 _WIDTH = 120
 _MADE_BY = "<!-- Made by `plausible docs` from the registry: edit what is declared there. -->"
-# Heading, what stands below it, and which models are under it; each is under the first that takes it.
+# Heading, what stands below it, and which models are under it: each under one.
 _GROUPS = (
-    ("Lumps on the halfway vector disk", "After Edwards et al.: they lose no light, stretch and retroreflect.",
-     made_of_lumps),
     ("Phong and Blinn", "After Neumann, Neumann and Szirmay-Kalos: with shaders of their own.",
-     lambda model: not model.baked),
+     lambda model: not model.baked and not made_of_lumps(model)),
+    ("Lumps on the halfway vector disk", "After Edwards et al.: with shaders of their own.", made_of_lumps),
+    ("Models of the literature", "Formulas in NumPy, baked for the values of their parameters.",
+     lambda model: model.baked and not isinstance(model, PumpedModel)),
     ("Models of the literature, pumped up", "Divided by their own albedo, and baked for the values of parameters.",
      lambda model: isinstance(model, PumpedModel)),
-    ("Models of the literature", "Formulas in NumPy, baked for the values of their parameters.", lambda model: True),
 )
 
 
@@ -55,10 +55,8 @@ def index() -> str:
         f"{len(brdf.MODELS)} models, each with a page: formula, parameters, what it is like, limits and sources. "
         "`plausible list` prints the same, `plausible compare` holds the models against each other, and "
         "[For researchers](../researchers.md) tells how to add one.")]
-    left = list(brdf.MODELS.values())
-    for heading, text, takes in _GROUPS:
-        models = [model for model in left if takes(model)]
-        left = [model for model in left if model not in models]
+    for heading, text, is_here in _GROUPS:
+        models = [model for model in brdf.MODELS.values() if is_here(model)]
         rows = [f'| <img src="{picture_name(m)}" width="330" alt="{m.label}"> | [{m.label}]({file_name(m)})<br>'
                 f"`{m.id}` | {_cell(m.description)} |" for m in models]
         parts += [f"## {heading}", text, "\n".join(["| | Model | |", "|---|---|---|", *rows])]
