@@ -43,7 +43,7 @@ def page(model) -> str:
              "## In Blender", _rendered(model), _calls(model)]
     presets = [preset for preset in PRESETS.values() if preset.model == model.id]
     if presets:
-        parts += ["## Presets", "\n".join(f"- **{preset.label}**: {preset.help}" for preset in presets)]
+        parts += ["## Presets", "\n".join(f"- **{each.label}** ({each.group}): {each.help}" for each in presets)]
     parts += ["## Limits", *_limits(model), "## Sources", "\n".join(f"- {source}" for source in model.references),
               f"[All models]({INDEX})"]
     return "\n\n".join(parts) + "\n"
