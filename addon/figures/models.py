@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..brdf.channels import mean
+from ..brdf.geometry import in_plane
 from ..compare import lobes
 from ..pages.model_page import picture_name
 from ..pages.shown import shown
@@ -75,8 +76,10 @@ def _albedos(at, model, this):
 def _lobes(at, model, this):
     _protractor(at)
     _mark(at, LIGHT, GREY)
+    plane = [1, 0, 2] if this.is_across else [0, 1, 2]
+    view, light = (in_plane(angles)[:, plane] for angles in (VIEWS, -LIGHT))
     for given, colour in zip(this.settings(), LINES, strict=True):
-        f = lobes.lobe(model, LIGHT, VIEWS, given)
+        f = lobes.value(model, view, light, lobes.glossy(model, given))
         _polar(at, f / f.max(), colour, filled=False)
     at.set(xlim=(-1.2, 1.2), ylim=(-0.12, 1.2), aspect="equal")
     at.set_axis_off()

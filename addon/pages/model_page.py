@@ -69,7 +69,8 @@ def _picture(model):
     others = "".join(f", {model.parameter(name).label} {_value(model.parameter(name), value)}"
                      for name, value in this.others.items())
     caption = (f"*{this.parameter.label} {values}{others}: balls under a sun six degrees wide and a sky, rendered in "
-               "Cycles; albedo by the angle of the view; f over its peak in the plane of incidence, the light at 45°.*")
+               "Cycles; albedo by the angle of the view; f over its peak in the plane of incidence"
+               f"{', across the tangent' * this.is_across}, the light at 45°.*")
     return f"![{model.label}: {this.parameter.label} {values}]({picture_name(model)})\n\n{_wrapped(caption)}"
 
 

@@ -28,6 +28,11 @@ class Shown:
     values: tuple
     others: dict = field(default_factory=dict)
 
+    @property
+    def is_across(self) -> bool:
+        """Whether lobes are to be cut across the tangent, as that is where they change."""
+        return self.parameter.id.endswith("_v")
+
     def settings(self) -> list:
         """The three {parameter id: value}."""
         return [{**self.others, self.parameter.id: value} for value in self.values]
