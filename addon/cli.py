@@ -22,6 +22,7 @@ COMMANDS = {
     "previews": ("addon.commands.previews", "the small pictures of models and presets that the panel shows"),
     "demo": ("addon.commands.demo", "build and render the demo scene"),
     "assets": ("addon.commands.assets", "make the asset library that ships with the extension"),
+    "docs": ("addon.commands.docs", "write the models' pages from the registry"),
     "bench": ("addon.commands.bench", "efficiency against Cycles' own closures"),
 }
 

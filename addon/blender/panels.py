@@ -9,7 +9,7 @@ from . import bakes, icons, luts, rebake, status, switches
 from .nodes import animated, baked_error, driven, is_stale, socket_of, values
 from .operators import material_of, plausible_node
 from .properties import NAMES
-from .words import say
+from .words import look_up, say
 
 _AT_GRAZING = {"grazing_exponent", "retro_grazing_exponent"}  # read where exponents vary with the angle
 _METAL_IDS = {"base_color", "ior", "extinction"}
@@ -25,7 +25,7 @@ def draw_text(layout, context, text, icon="NONE"):
     width = max(20, int((context.region.width / scale - 70) / 6.5))
     column = layout.column(align=True)
     column.scale_y = 0.8
-    for line in textwrap.wrap(say(text) if "{" not in text else text, width):
+    for line in textwrap.wrap(look_up(text), width):
         column.label(text=line, icon=icon)
         icon = "BLANK1" if icon != "NONE" else "NONE"
 
@@ -135,11 +135,9 @@ def draw_weights(layout, context, material, node):
     links, moving = driven(node), animated(node)
     if links or moving:
         text = ("This model is baked for one value of each parameter and cannot follow what is plugged into {names}: "
-                "it "
-                "renders striped" if links else
+                "it renders striped" if links else
                 "This model is baked for one value of each parameter and cannot follow what animates {names}: it "
-                "renders "
-                "striped")
+                "renders striped")
         draw_text(layout.box(), context, say(text, names=", ".join(links or moving)), "ERROR")
     elif rebake.is_running(material):
         draw_text(layout, context, "Baking the weights for these values", "TIME")

@@ -11,9 +11,14 @@ LANGUAGES = {"de_DE": GERMAN}
 _CONTEXTS = ("*", "Operator")  # where Blender looks: for operators' names apart
 
 
+def look_up(text: str) -> str:
+    """`text` in the language of the interface, or as it is."""
+    return bpy.app.translations.pgettext_iface(text)
+
+
 def say(text: str, **values) -> str:
     """`text` in the language of the interface, its {names} filled in with `values`."""
-    return bpy.app.translations.pgettext_iface(text).format(**values)
+    return look_up(text).format(**values)
 
 
 def start():

@@ -39,8 +39,11 @@ class AxisPower:
         return (self.exponent + 1.0) / TWO_PI * np.maximum(dot(self.axis(view), light), 0.0) ** self.exponent
 
 
-class _HalfVector:
-    """Half vectors with a density over the upper hemisphere, (pi - theta_h symmetric): the light mirrors the view."""
+class HalfVector:
+    """Half vectors with a density over the upper hemisphere, (pi - theta_h symmetric): the light mirrors the view.
+
+    A subclass draws them, `draw(u)` (N, 3) from (N, 2), and knows their `density(h)` in 1/sr (N,).
+    """
 
     def sample(self, view, u):
         return reflect(view, self.draw(u))
@@ -53,7 +56,7 @@ class _HalfVector:
 
 
 @dataclass(frozen=True)
-class HalfBeckmann(_HalfVector):
+class HalfBeckmann(HalfVector):
     """Half vectors as Ward draws them: exp(-tan²(cos²/m_x² + sin²/m_y²)) / (pi m_x m_y cos³)."""
 
     mx: float
@@ -71,7 +74,7 @@ class HalfBeckmann(_HalfVector):
 
 
 @dataclass(frozen=True)
-class HalfPower(_HalfVector):
+class HalfPower(HalfVector):
     """Half vectors by sqrt((n_u+1)(n_v+1))/(2 pi) (N·H)^(n_u cos² + n_v sin²): Ashikhmin and Shirley 2000, eq. 6."""
 
     nu: float
@@ -90,7 +93,7 @@ class HalfPower(_HalfVector):
 
 
 @dataclass(frozen=True, eq=False)
-class HalfCells(_HalfVector):
+class HalfCells(HalfVector):
     """Half vectors by the `share` (rings, turns) of each cell of the hemisphere, and evenly in solid angle inside it.
 
     `rings` (rings + 1,) are the edges of the rings in radians from the normal; a ring's cells are as wide as each

@@ -1,0 +1,51 @@
+"""What the picture of a model's page shows: three values of one parameter, chosen by eye."""
+from dataclasses import dataclass, field
+
+# Parameter that varies, its three values, and others that are not at their default.
+_BY_MODEL = {
+    "disk_orthogonal": ("radius_v", (1.0, 0.4, 0.15), {"exponent": 5.0}),
+    "edwards_empirical": ("radius_v", (1.0, 0.3, 0.1), {"base_color": (0.5, 0.5, 0.5)}),
+    "edwards_fit": ("blend", (0.0, 0.5, 1.0), {"second_exponent": 2.0}),
+    "ward": ("roughness_v", (0.15, 0.3, 0.6), {}),
+    "ward_duer": ("roughness_v", (0.15, 0.3, 0.6), {}),
+    "ward_bounded": ("roughness_v", (0.15, 0.3, 0.6), {}),
+    "ashikhmin_shirley": ("exponent_v", (500.0, 50.0, 5.0), {"exponent_u": 50.0}),
+    "he_torrance": ("sigma", (0.05, 0.1, 0.2), {}),
+    "kajiya_kay": ("exponent", (10.0, 50.0, 200.0), {"base_color": (0.3, 0.3, 0.3)}),
+    "ndf_map": ("rotation", (0.0, 0.05, 0.1), {}),
+}
+_BY_PARAMETER = {
+    "pumps": (0.0, 1.0, 3.0), "exponent": (10.0, 50.0, 500.0), "roughness": (0.5, 0.3, 0.15),
+    "smoothness": (2.0, 5.0, 15.0), "exponent_1": (20.0, 100.0, 500.0),
+}
+
+
+@dataclass(frozen=True)
+class Shown:
+    """`parameter` takes each of `values`; `others` {id: value} are the same for all three."""
+
+    parameter: object
+    values: tuple
+    others: dict = field(default_factory=dict)
+
+    @property
+    def is_across(self) -> bool:
+        """Whether lobes are to be cut across the tangent, as that is where they change."""
+        return self.parameter.id.endswith("_v")
+
+    def settings(self) -> list:
+        """The three {parameter id: value}."""
+        return [{**self.others, self.parameter.id: value} for value in self.values]
+
+    def label(self, value) -> str:
+        """What stands below the picture of one value."""
+        return f"{self.parameter.label} = {value:g}"
+
+
+def shown(model) -> Shown:
+    """What is shown of a model: how it is pumped where it is, else its width, unless something else tells more."""
+    if model.id in _BY_MODEL:
+        name, values, others = _BY_MODEL[model.id]
+        return Shown(model.parameter(name), values, others)
+    name = "pumps" if any(p.id == "pumps" for p in model.parameters) else model.shape
+    return Shown(model.parameter(name), _BY_PARAMETER[name])
