@@ -1,0 +1,104 @@
+"""The asset library: whole, of today's shaders, in the preferences while the extension is on, and ready to be dropped."""
+import numpy as np
+import pytest
+from test_panel import bpy, registered  # noqa: F401
+
+from addon.assets import LIBRARY
+from addon.brdf import MODELS
+from addon.brdf.presets import PRESETS
+from addon.packaging import assets
+from addon.verify import room
+
+pytestmark = [pytest.mark.blender, pytest.mark.versions]
+
+SHOWN = {model.id: model for model in MODELS.values() if not model.baked}
+
+
+@pytest.fixture
+def contents(bpy):  # noqa: F811
+    """(materials by label, node groups by label) of the library, appended."""
+    with bpy.data.libraries.load(str(LIBRARY), assets_only=True) as (there, wanted):
+        wanted.materials, wanted.node_groups = there.materials, there.node_groups
+    yield {m.name: m for m in wanted.materials}, {t.name: t for t in wanted.node_groups}
+    for block in wanted.materials:
+        bpy.data.materials.remove(block)
+
+
+def test_every_preset_and_model_is_there(contents):
+    from addon.blender import nodes, upgrade
+    from addon.version import VERSION
+
+    materials, groups = contents
+    assert set(materials) == {preset.label for preset in PRESETS.values()}
+    assert set(groups) == {model.label for model in SHOWN.values()}
+    for preset in PRESETS.values():
+        node = nodes.find_node(materials[preset.label])
+        model = nodes.model_of(node)
+        assert model.id == preset.model and upgrade.version_of(node) == VERSION
+        expected = model.resolve(preset.parameters)
+        for key, value in nodes.values(node).items():
+            assert value == pytest.approx(expected[key], rel=1e-6), (preset.label, key)
+        assert not nodes.is_stale(node), preset.label
+
+
+def test_shaders_are_todays(contents):
+    """A shader that was changed since the library was made must not ship as it was: ./run assets makes it anew."""
+    from addon.blender import groups, osl
+
+    for model in SHOWN.values():
+        (script,) = [n for n in contents[1][model.label].nodes if n.bl_idname == "ShaderNodeScript"]
+        assert script.bytecode == osl.compile_model(model), model.id
+    assert contents[1]["Phong"].get(groups.VERSION_KEY)
+
+
+def test_catalogues_name_each_asset(contents):
+    lines = (LIBRARY.parent / assets.CATALOGUES).read_text(encoding="utf-8").splitlines()
+    known = {line.split(":")[0]: line.split(":")[1] for line in lines if line.count(":") == 2}
+    assert set(known.values()) >= {f"Plausible/{preset.group}" for preset in PRESETS.values()} | {"Plausible/Nodes"}
+    for preset in PRESETS.values():
+        data = contents[0][preset.label].asset_data
+        assert known[data.catalog_id] == f"Plausible/{preset.group}" and data.description == preset.help
+    assert {known[tree.asset_data.catalog_id] for tree in contents[1].values()} == {"Plausible/Nodes"}
+
+
+def test_thumbnails_show_something(contents):
+    for block in (*contents[0].values(), *contents[1].values()):
+        assert block.preview is not None, block.name
+        size = tuple(block.preview.image_size)
+        pixels = np.array(block.preview.image_pixels_float[:]).reshape(size[1], size[0], 4)
+        assert min(size) >= 96 and pixels[..., :3].std() > 0.02, block.name
+
+
+def test_a_dropped_material_renders(contents):
+    from addon.blender import nodes
+
+    material = contents[0][PRESETS["gold_satin"].label]
+    node = nodes.find_node(material)
+    with room.Room(material, room.PLANE, 8) as place:
+        place.sky(1.0)
+        place.look_from((np.sin(1.0), 0.0, np.cos(1.0)))
+        found = place.render(64).mean(axis=(0, 1))
+    expected = nodes.model_of(node).albedo(np.cos([1.0]), **nodes.values(node))[0]
+    np.testing.assert_allclose(found, expected, atol=0.01)
+
+
+def test_it_is_in_the_preferences_while_the_extension_is_on():
+    import bpy
+
+    import addon
+
+    def listed():
+        return [each.path for each in bpy.context.preferences.filepaths.asset_libraries if each.name == "Plausible BRDF"]
+
+    assert not listed()
+    addon.register()
+    try:
+        assert [path.rstrip("/\\") for path in listed()] == [str(LIBRARY.parent)]
+    finally:
+        addon.unregister()
+    assert not listed()
+
+
+def test_what_has_no_picture_is_told(monkeypatch, tmp_path):
+    monkeypatch.setattr(assets, "preview", lambda key: tmp_path / f"{key}.png")
+    assert assets.missing_previews() == [*PRESETS, *SHOWN]
