@@ -79,12 +79,6 @@ def test_all_render_without_a_bake():
     assert not any(MODELS[preset.model].baked for preset in PRESETS.values())
 
 
-def test_velvet_is_bright_along_its_edge_in_its_own_colour():
-    albedo = albedos(PRESETS["velvet"])
-    assert albedo[8, 0] > 3.0 * albedo[0, 0]  # at 80 degrees and at the normal
-    assert albedo[8, 0] > 2.0 * albedo[8, 2] > 2.0 * albedo[8, 1]
-
-
 @pytest.mark.parametrize("name", [name for name, preset in PRESETS.items() if preset.group == "Retroreflectors"])
 def test_retroreflectors_return_light(name):
     preset = PRESETS[name]
@@ -104,4 +98,4 @@ def test_list_shows_presets_by_group(capsys):
     assert cli.main(["list", "edwards_fit", "--presets", "--json"]) == 0
     shown = json.loads(capsys.readouterr().out)
     assert [entry["id"] for entry in shown] == [name for name, p in PRESETS.items() if p.model == "edwards_fit"]
-    assert {entry["group"] for entry in shown} == {"Paints", "Fabrics"} and all(e["parameters"] for e in shown)
+    assert all(entry["group"] == "Paints" and entry["parameters"] for entry in shown)

@@ -132,11 +132,9 @@ _FABRICS = {
     "silk": _body(
         "Fabrics", "Silk", "Taffeta: threads one way shine, in another colour than the rest; all by eye",
         (0.05, 0.12, 0.30), 8.0, (0.10, 0.09, 0.06), radius_u=0.3, radius_v=1.0),
-    "velvet": Preset(
-        "Fabrics", "Velvet", "edwards_fit", "Dark where the pile is seen from above, and bright along its edge in its "
-        "own colour; what real pile also sends back to the light is left out. All by eye",
-        {"diffuse_color": (0.06, 0.003, 0.015), "base_color": (0.01, 0.002, 0.004), "f90": (0.75, 0.12, 0.35),
-         "exponent": 2.0, "radius": 1.0, "blend": 0.0}),
+    "cotton": _body(
+        "Fabrics", "Cotton", "Plain weave, nearly diffuse: fibres of refractive index 1.5, colour and width by eye",
+        (0.55, 0.48, 0.36), 6.0),
 }
 _RETROREFLECTORS = {
     "road_paint": _body(

@@ -16,7 +16,7 @@ from .spheres import sky
 COLUMNS = 9
 RADIUS, SPACING = 0.46, 1.0
 HDRI, HDRI_TURN = "interior.exr", 0.0
-LAMP_ASIDE, LAMP_ENERGY, LAMP_ANGLE = (0.03, 0.04), 0.06, 2.0  # slopes to the right and up, W/m², degrees across
+LAMP_ASIDE, LAMP_ENERGY, LAMP_ANGLE = (0.03, 0.04), 0.02, 2.0  # slopes to the right and up, W/m², degrees across
 EXPOSURE = -0.1  # stops
 GROUND = (0.82, 0.82, 0.83)  # sRGB, behind the spheres
 
