@@ -19,6 +19,7 @@ COMMANDS = {
     "match": ("addon.commands.match", "parameters with which one model is as wide as another"),
     "fit": ("addon.commands.fit", "parameters with which a model comes nearest to another or to data"),
     "figures": ("addon.commands.figures", "plots of albedos and lobes"),
+    "previews": ("addon.commands.previews", "the small pictures of models and presets that the panel shows"),
     "demo": ("addon.commands.demo", "build and render the demo scene"),
     "assets": ("addon.commands.assets", "make the asset library that ships with the extension"),
     "bench": ("addon.commands.bench", "efficiency against Cycles' own closures"),

@@ -5,7 +5,10 @@ _registered = None
 
 
 def _modules():
-    """What is registered, in this order. A module may have CLASSES, `start` and, to take all back, `stop`."""
+    """What is registered, in this order.
+
+    A module may have `prepare`, for what its classes are made of, CLASSES, `start` and, to take all back, `stop`.
+    """
     from . import (
         add_menu,
         asset_library,
@@ -13,6 +16,7 @@ def _modules():
         cache,
         energy,
         furnace_test,
+        icons,
         luts,
         operators,
         panels,
@@ -24,8 +28,8 @@ def _modules():
         watch,
     )
 
-    return (properties, operators, switches, add_menu, bakes, panels, energy, furnace_test, preferences, cache, luts,
-            rebake, upgrade, watch, asset_library)
+    return (icons, properties, operators, switches, add_menu, bakes, panels, energy, furnace_test, preferences, cache,
+            luts, rebake, upgrade, watch, asset_library)
 
 
 def register():
@@ -37,6 +41,8 @@ def register():
         raise RuntimeError("Plausible BRDF is registered already")
     with contextlib.ExitStack() as undo:
         for module in _modules():
+            if hasattr(module, "prepare"):
+                module.prepare()
             for cls in getattr(module, "CLASSES", ()):
                 bpy.utils.register_class(cls)
                 undo.callback(bpy.utils.unregister_class, cls)

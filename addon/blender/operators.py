@@ -6,7 +6,7 @@ import bpy
 from ..brdf import MODELS
 from ..brdf.metals import METALS
 from ..brdf.presets import PRESETS
-from . import materials, nodes, osl, settings, upgrade
+from . import icons, materials, nodes, osl, settings, upgrade
 from .properties import MODEL_ITEMS
 
 _PRESET_ITEMS = [(name, preset.label, preset.help, i) for i, (name, preset) in enumerate(PRESETS.items())]
@@ -218,7 +218,8 @@ class PLAUSIBLE_MT_convert(bpy.types.Menu):
         now = plausible_node(material_of(context))[1]
         for model in MODELS.values():
             if model is not now:
-                self.layout.operator("plausible.convert", text=model.label).model = model.id
+                icon = icons.icon_of(model.id)
+                self.layout.operator("plausible.convert", text=model.label, icon_value=icon).model = model.id
 
 
 class PLAUSIBLE_OT_bake_weights(OnMaterial, bpy.types.Operator):
@@ -241,7 +242,8 @@ class PLAUSIBLE_MT_presets(bpy.types.Menu):
 
     def draw(self, context):
         for name, preset in PRESETS.items():
-            self.layout.operator("plausible.apply_preset", text=preset.label).preset = name
+            icon = icons.icon_of(name)
+            self.layout.operator("plausible.apply_preset", text=preset.label, icon_value=icon).preset = name
 
 
 class PLAUSIBLE_OT_upgrade(bpy.types.Operator):

@@ -5,7 +5,7 @@ import bpy
 
 from ..brdf.disk_model import DiskModel
 from ..brdf.parameters import COLOR, LOBE, RETROREFLECTION
-from . import bakes, luts, rebake, status, switches
+from . import bakes, icons, luts, rebake, status, switches
 from .nodes import animated, baked_error, driven, is_stale, socket_of, values
 from .operators import material_of, plausible_node
 from .properties import NAMES
@@ -115,6 +115,8 @@ class _Main(Face):
         if model is None:
             layout.operator("plausible.new_material", icon="ADD")
             return
+        if icons.icon_of(model.id):
+            layout.template_icon_view(material.plausible_brdf, "model", show_labels=True, scale=4.0, scale_popup=4.0)
         row = layout.row(align=True)
         row.prop(material.plausible_brdf, "model")
         row.operator("plausible.new_material", text="", icon="ADD").model = model.id

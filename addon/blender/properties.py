@@ -8,7 +8,7 @@ import math
 import bpy
 
 from ..brdf import MODELS
-from . import materials, nodes
+from . import icons, materials, nodes
 
 _EXPONENT_SOFT_MAX = 1000.0  # dragging is linear: to 100000 it would jump over everything that is not a mirror
 _SUBTYPES = {"": "NONE", "rad": "ANGLE", "m": "DISTANCE"}
@@ -111,12 +111,19 @@ def _write_model(self, number):
 PlausibleMaterial = type("PlausibleMaterial", (bpy.types.PropertyGroup,), {
     "__doc__": "Parameters of a Plausible BRDF material, each held in its node's socket",
     "__annotations__": {
-        "model": bpy.props.EnumProperty(
-            name="Model", description="Reflectance model. Parameters that both models have are kept",
-            items=MODEL_ITEMS, options=set(), get=_read_model, set=_write_model),
         **{name: _property(parameter) for parameter, name in NAMES.items()},
     },
 })
+
+
+
+def prepare():
+    """Declare the property `model`, before its class is registered: its items' icons are those of today."""
+    items = [(*item[:3], icons.icon_of(item[0]), item[3]) for item in MODEL_ITEMS]
+    PlausibleMaterial.__annotations__["model"] = bpy.props.EnumProperty(
+        name="Model", description="Reflectance model. Parameters that both models have are kept", items=items,
+        options=set(), get=_read_model, set=_write_model)
+
 
 CLASSES = (PlausibleMaterial,)
 

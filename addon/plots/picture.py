@@ -85,7 +85,9 @@ def _above_one(curve, margin=0.002):
 def _draw_axes(canvas, top):
     for view in (0.0, 30.0, 60.0, 90.0):
         canvas.line(place([view, view], [0.0, top], top), GRID, 1.0)
-        canvas.text(f"{view:g}°", (place(view, 0.0, top)[0] + (6.0 if view < 90.0 else -4.0), 8.0), INK, align=0.5)
+        # The degree sign hangs over, but for the last, which has no room for it.
+        at = place(view, 0.0, top)[0] + 6.0 if view < 90.0 else SIDE - 18.0
+        canvas.text(f"{view:g}°", (at, 8.0), INK, align=0.5)
     ticks = (0.0, 0.5, 1.0) if top <= 2.0 else (0.0, 1.0, top) if top <= 10.0 else (0.0, top)
     for albedo in ticks:
         y = place(0.0, albedo, top)[1]

@@ -1,0 +1,9 @@
+"""Files that ship with the add-on: a preview of each model and of each preset, made by `plausible previews`."""
+from pathlib import Path
+
+PREVIEWS = Path(__file__).resolve().parent / "previews"
+
+
+def preview(key: str, folder: Path = PREVIEWS) -> Path:
+    """The path of the preview of a model or preset, by id, which may be missing."""
+    return folder / f"{key}.png"
