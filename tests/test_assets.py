@@ -1,4 +1,4 @@
-"""The asset library: whole, of today's shaders, in the preferences while the extension is on, and ready to be dropped."""
+"""The asset library: whole, of today's shaders, listed while the extension is on, and ready to be dropped."""
 import numpy as np
 import pytest
 from test_panel import bpy, registered  # noqa: F401
@@ -16,12 +16,12 @@ SHOWN = {model.id: model for model in MODELS.values() if not model.baked}
 
 @pytest.fixture
 def contents(bpy):  # noqa: F811
-    """(materials by label, node groups by label) of the library, appended."""
+    """(materials by label, node groups by label) of the library, appended to an empty file."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
     with bpy.data.libraries.load(str(LIBRARY), assets_only=True) as (there, wanted):
         wanted.materials, wanted.node_groups = there.materials, there.node_groups
     yield {m.name: m for m in wanted.materials}, {t.name: t for t in wanted.node_groups}
-    for block in wanted.materials:
-        bpy.data.materials.remove(block)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
 
 
 def test_every_preset_and_model_is_there(contents):
@@ -83,12 +83,12 @@ def test_a_dropped_material_renders(contents):
 
 
 def test_it_is_in_the_preferences_while_the_extension_is_on():
-    import bpy
+    from bpy import context
 
     import addon
 
     def listed():
-        return [each.path for each in bpy.context.preferences.filepaths.asset_libraries if each.name == "Plausible BRDF"]
+        return [each.path for each in context.preferences.filepaths.asset_libraries if each.name == "Plausible BRDF"]
 
     assert not listed()
     addon.register()

@@ -15,8 +15,9 @@ def bpy(registered):  # noqa: F811
     import bpy
 
     yield bpy
-    for material in list(bpy.data.materials):
-        bpy.data.materials.remove(material)
+    for blocks in (bpy.data.materials, bpy.data.node_groups):
+        for block in list(blocks):
+            blocks.remove(block)
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from addon.brdf import MODELS
 from addon.brdf.presets import PRESETS
 from addon.packaging import archive
 
-PATHS = [*map(assets.model_preview, MODELS), *map(assets.preset_preview, PRESETS)]
+PATHS = [assets.preview(key) for key in (*MODELS, *PRESETS)]
 
 
 @pytest.mark.parametrize("path", PATHS, ids=lambda path: path.stem)
@@ -23,6 +23,7 @@ def test_there_is_one_of_each(path):
 
 
 def test_no_others_are_there():
+    assert not set(MODELS) & set(PRESETS)
     assert sorted(assets.PREVIEWS.rglob("*.png")) == sorted(PATHS)
 
 
@@ -53,7 +54,7 @@ def test_rendering_one(tmp_path):
     image = pytest.importorskip("PIL.Image")
     from addon.demo import previews
 
-    path = assets.model_preview("pumped_blinn", tmp_path)
+    path = assets.preview("pumped_blinn", tmp_path)
     path.write_bytes(b"old")
     previews.render(path, "pumped_blinn", previews.look("pumped_blinn"))
     with image.open(path) as found:
@@ -73,19 +74,18 @@ def test_icons_come_and_go(monkeypatch):
 
     assert bpy.app.background
     icons.start()
-    assert icons._pictures is None and icons.of_model("phong") == 0
+    assert icons._pictures is None and icons.icon_of("phong") == 0
     icons.start(in_background=True)
-    assert set(icons._pictures) == set(map(str, PATHS))
+    assert list(icons._pictures) == [*MODELS, *PRESETS]
     # Icons have no numbers without a window: any will do to see that each item has its own.
-    monkeypatch.setattr(icons, "_icon", lambda path: 1000 + PATHS.index(path))
+    monkeypatch.setattr(icons, "icon_of", lambda key: 1000 + [*MODELS, *PRESETS].index(key))
     properties.prepare()
     declared = properties.PlausibleMaterial.__annotations__["model"]
     assert [item[3] for item in declared.keywords["items"]] == [1000 + i for i in range(len(MODELS))]
     assert [item[4] for item in declared.keywords["items"]] == list(range(len(MODELS)))
-    assert icons.of_preset("satin") == 1000 + len(MODELS) + list(PRESETS).index("satin")
     monkeypatch.undo()
     icons.stop()
-    assert icons._pictures is None and icons.of_model("phong") == 0
+    assert icons._pictures is None and icons.icon_of("phong") == 0
     properties.prepare()
 
 
@@ -95,8 +95,8 @@ def test_a_file_that_is_missing(monkeypatch, tmp_path):
     pytest.importorskip("bpy")
     from addon.blender import icons
 
-    monkeypatch.setattr(assets, "model_preview", lambda model_id: tmp_path / f"{model_id}.png")
+    monkeypatch.setattr(assets, "preview", lambda key: tmp_path / f"{key}.png" if key in MODELS else PATHS[-1])
     icons.start(in_background=True)
-    assert set(icons._pictures) == set(map(str, PATHS[len(MODELS):]))
-    assert icons.of_model("phong") == 0
+    assert list(icons._pictures) == list(PRESETS)
+    assert icons.icon_of("phong") == 0
     icons.stop()

@@ -11,8 +11,9 @@ def start():
     stop()
     if LIBRARY.is_file():
         library = bpy.context.preferences.filepaths.asset_libraries.new(name=NAME, directory=str(LIBRARY.parent))
-        # What is dragged in becomes the file's own: the extension may go.
-        library.import_method = "APPEND_REUSE"
+        # What is dragged in becomes the file's own: the extension may go. Newer versions know one way to append.
+        known = type(library).bl_rna.properties["import_method"].enum_items
+        library.import_method = "APPEND" if "PACK" in known else "APPEND_REUSE"
         library.use_relative_path = False
 
 

@@ -11,6 +11,7 @@ import bpy.utils.previews
 import numpy as np
 
 from ..plots import picture, quick
+from .areas import redraw
 from .nodes import socket_of, values
 from .panels import Face, draw_text, in_both_places
 from .words import say
@@ -18,7 +19,6 @@ from .words import say
 PAUSE = 0.05  # seconds from a redraw to the plot that it asks for: a slider that is dragged redraws more often
 KEPT = 12  # materials whose plots are kept
 SMALLEST, LARGEST = 6.5, 12.0  # side of a half of the picture in units of 20 pixels, which are about a button
-SHOWN_IN = ("PROPERTIES", "NODE_EDITOR")
 ROOTS = {1: "Lobes f N·L, with their peaks in 1/sr", 2: "Lobes f N·L by their square root, with their peaks in 1/sr",
          3: "Lobes f N·L by their cube root, with their peaks in 1/sr"}
 
@@ -74,10 +74,7 @@ def make_wanted():
         if plot is not None:
             _fill(halves, picture.draw(plot))
         _shown[name] = Shown(key, plot, error, halves)
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type in SHOWN_IN:
-                area.tag_redraw()
+    redraw()
 
 
 def _halves(name):

@@ -15,9 +15,10 @@ def start(in_background: bool = False):
     if bpy.app.background and not in_background:
         return
     _pictures = bpy.utils.previews.new()
-    for path in (*map(assets.model_preview, MODELS), *map(assets.preset_preview, PRESETS)):
+    for key in (*MODELS, *PRESETS):
+        path = assets.preview(key)
         if path.is_file():
-            _pictures.load(str(path), str(path), "IMAGE")
+            _pictures.load(key, str(path), "IMAGE")
 
 
 def stop():
@@ -28,15 +29,6 @@ def stop():
         _pictures = None
 
 
-def of_model(model_id: str) -> int:
-    """The icon of a model; 0, which is no icon, where there is no picture of it."""
-    return _icon(assets.model_preview(model_id))
-
-
-def of_preset(name: str) -> int:
-    """The icon of a preset, or 0."""
-    return _icon(assets.preset_preview(name))
-
-
-def _icon(path):
-    return _pictures[str(path)].icon_id if _pictures is not None and str(path) in _pictures else 0
+def icon_of(key: str) -> int:
+    """The icon of a model or preset, by id; 0, which is no icon, where there is no picture of it."""
+    return _pictures[key].icon_id if _pictures is not None and key in _pictures else 0

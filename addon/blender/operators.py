@@ -218,7 +218,7 @@ class PLAUSIBLE_MT_convert(bpy.types.Menu):
         now = plausible_node(material_of(context))[1]
         for model in MODELS.values():
             if model is not now:
-                icon = icons.of_model(model.id)
+                icon = icons.icon_of(model.id)
                 self.layout.operator("plausible.convert", text=model.label, icon_value=icon).model = model.id
 
 
@@ -251,7 +251,7 @@ class _OfGroup:
     def draw(self, context):
         for name, preset in PRESETS.items():
             if preset.group == self.bl_label:
-                icon = icons.of_preset(name)
+                icon = icons.icon_of(name)
                 self.layout.operator("plausible.apply_preset", text=preset.label, icon_value=icon).preset = name
 
 

@@ -116,7 +116,7 @@ class _Main(Face):
         if model is None:
             layout.operator("plausible.new_material", icon="ADD")
             return
-        if icons.of_model(model.id):
+        if icons.icon_of(model.id):
             layout.template_icon_view(material.plausible_brdf, "model", show_labels=True, scale=4.0, scale_popup=4.0)
         row = layout.row(align=True)
         row.prop(material.plausible_brdf, "model")

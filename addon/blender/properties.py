@@ -118,7 +118,7 @@ PlausibleMaterial = type("PlausibleMaterial", (bpy.types.PropertyGroup,), {
 
 def prepare():
     """Declare the property `model`, before its class is registered: its items' icons are those of today."""
-    items = [(*item[:3], icons.of_model(item[0]), item[3]) for item in MODEL_ITEMS]
+    items = [(*item[:3], icons.icon_of(item[0]), item[3]) for item in MODEL_ITEMS]
     PlausibleMaterial.__annotations__["model"] = bpy.props.EnumProperty(
         name="Model", description="Reflectance model. Parameters that both models have are kept", items=items,
         options=set(), get=_read_model, set=_write_model)

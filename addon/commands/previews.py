@@ -17,7 +17,7 @@ def add_arguments(parser):
                         help="model or preset, see `plausible list`; all of both when none is given")
     parser.add_argument("--missing", action="store_true", help="only those that have no picture yet")
     parser.add_argument("--output", type=Path, default=assets.PREVIEWS, metavar="DIR",
-                        help="folder of the models' pictures, with a folder for those of presets (default %(default)s)")
+                        help="folder of the pictures (default %(default)s)")
 
 
 def run(arguments):
@@ -40,8 +40,12 @@ def run(arguments):
 def _jobs(arguments, previews):
     """(path, model, parameters, whether a light stands at the camera) of each picture to render."""
     names = arguments.name or [*MODELS, *PRESETS]
-    found = [(assets.model_preview(name, arguments.output), name, previews.look(name), False)
-             for name in names if name in MODELS]
-    found += [(assets.preset_preview(name, arguments.output), PRESETS[name].model, PRESETS[name].parameters,
-               PRESETS[name].parameters.get("retro", 0.0) > 0.5) for name in names if name in PRESETS]
-    return [job for job in found if not (arguments.missing and job[0].exists())]
+    for name in names:
+        path = assets.preview(name, arguments.output)
+        if arguments.missing and path.exists():
+            continue
+        if name in MODELS:
+            yield path, name, previews.look(name), False
+        else:
+            given = PRESETS[name].parameters
+            yield path, PRESETS[name].model, given, given.get("retro", 0.0) > 0.5

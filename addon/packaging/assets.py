@@ -5,7 +5,7 @@ Blender reads files of its own and older versions, so the file that ships is to 
 import uuid
 from pathlib import Path
 
-from ..assets import LIBRARY, model_preview, preset_preview
+from ..assets import LIBRARY, preview
 from ..brdf import MODELS
 from ..brdf.presets import PRESETS
 
@@ -29,12 +29,12 @@ def build(folder: Path = LIBRARY.parent, progress=lambda done, total: None) -> P
     for key, preset in PRESETS.items():
         material = materials.create_material(preset.model, preset.label, **preset.parameters)
         tags = preset.group, MODELS[preset.model].label
-        _mark(material, preset_preview(key), preset.help, _catalogue(preset), tags)
+        _mark(material, preview(key), preset.help, _catalogue(preset), tags)
         made.add(material)
         progress(len(made), total)
     for model in shown:
         tree = nodes.find_node(materials.create_material(model.id)).node_tree
-        _mark(tree, model_preview(model.id), model.description, _NODES, ("BRDF",))
+        _mark(tree, preview(model.id), model.description, _NODES, ("BRDF",))
         made.add(tree)
         progress(len(made), total)
     folder.mkdir(parents=True, exist_ok=True)
@@ -48,9 +48,8 @@ def build(folder: Path = LIBRARY.parent, progress=lambda done, total: None) -> P
 
 def missing_previews() -> list:
     """Presets and models that have no thumbnail, by id."""
-    pictures = {key: preset_preview(key) for key in PRESETS}
-    pictures |= {model.id: model_preview(model.id) for model in MODELS.values() if not model.baked}
-    return [key for key, path in pictures.items() if not path.is_file()]
+    keys = [*PRESETS, *(model.id for model in MODELS.values() if not model.baked)]
+    return [key for key in keys if not preview(key).is_file()]
 
 
 def _catalogue(preset):
