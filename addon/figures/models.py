@@ -2,7 +2,6 @@
 
 Source: the model's own formula; the balls need bpy, which is asked for only when they are rendered.
 """
-import io
 import tempfile
 from pathlib import Path
 
@@ -20,7 +19,7 @@ SIZE, DPI = (10.4, 2.15), 100  # inches, pixels an inch
 SIDE = 120  # of a ball's tile, pixels
 LIGHT = 45.0  # degrees
 LINES = (SHADES[1], SHADES[2], SHADES[4])
-COLOURS = 96  # of the PNG's palette: more cost room and are not seen
+GRAYS, TINTS = 64, 12  # of the PNG's palette, which has tints of each of LINES besides: more costs room
 TALLEST = 1.3  # albedo: above, curves are cut
 
 
@@ -87,13 +86,30 @@ def _lobes(at, model, this):
 
 
 def save(figure, path: Path) -> Path:
-    """Write a figure as a PNG with a palette of COLOURS; returns `path`."""
+    """Write a figure as a PNG with a palette of grays and of tints of LINES; returns `path`."""
     from PIL import Image
 
-    whole = io.BytesIO()
-    figure.savefig(whole, format="png", metadata={"Software": None})
-    few = Image.open(whole).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    figure.canvas.draw()
+    few = Image.fromarray(_nearest(np.asarray(figure.canvas.buffer_rgba())[..., :3], _palette()))
+    few.putpalette(_palette().ravel().tolist())
     beside = path.with_name(f".{path.name}.part")
     few.save(beside, format="PNG", optimize=True)
     beside.replace(path)
     return path
+
+
+def _nearest(pixels, palette):
+    """Number in the `palette` (colours, 3) of the colour nearest to each of `pixels` (height, width, 3)."""
+    found, place = np.unique(pixels.reshape(-1, 3).astype(int), axis=0, return_inverse=True)
+    number = ((found[:, None] - palette) ** 2).sum(axis=-1).argmin(axis=1)
+    return number[place.ravel()].reshape(pixels.shape[:2]).astype(np.uint8)
+
+
+def _palette():
+    """Colours (GRAYS + TINTS for each of LINES, 3) of 0 to 255."""
+    from matplotlib.colors import to_rgb
+
+    grays = np.linspace(0.0, 1.0, GRAYS)[:, None] * np.ones(3)
+    share = np.linspace(1.0, 0.0, TINTS, endpoint=False)[:, None]
+    tints = [share * to_rgb(colour) + 1.0 - share for colour in LINES]
+    return np.round(255.0 * np.concatenate([grays, *tints])).astype(int)

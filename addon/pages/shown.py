@@ -11,7 +11,8 @@ _BY_MODEL = {
     "ward_bounded": ("roughness_v", (0.15, 0.3, 0.6), {}),
     "ashikhmin_shirley": ("exponent_v", (500.0, 50.0, 5.0), {"exponent_u": 50.0}),
     "he_torrance": ("sigma", (0.05, 0.1, 0.2), {}),
-    "kajiya_kay": ("exponent", (10.0, 50.0, 200.0), {"base_color": (0.3, 0.3, 0.3)}),
+    "kajiya_kay": ("exponent", (3.0, 10.0, 30.0), {"base_color": (0.15, 0.15, 0.15)}),
+    "lafortune": ("exponent_1", (5.0, 20.0, 80.0), {}),
     "ndf_map": ("rotation", (0.0, 0.05, 0.1), {}),
 }
 _BY_PARAMETER = {
