@@ -131,6 +131,7 @@ def test_contact_sheet_holds_the_panels_pixel_for_pixel(pictures, tmp_path):
 def test_saved_scene_is_small_and_knows_no_path(pictures, tmp_path):
     import bpy
 
+    from addon.blender import groups, nodes
     from addon.demo import panels, scene
 
     stage = scene.build(RESOLUTION)
@@ -144,7 +145,7 @@ def test_saved_scene_is_small_and_knows_no_path(pictures, tmp_path):
     assert bpy.context.scene.render.filepath == "//"
     assert not bpy.data.libraries and not bpy.data.images
     hull = bpy.data.objects["Hull"].active_material
-    node = next(node for node in hull.node_tree.nodes if node.bl_idname == "ShaderNodeScript")
+    node = groups.script_of(nodes.find_node(hull))
     assert node.bytecode.startswith("OpenShadingLanguage") and "/" not in node.bytecode.split("code ___main___")[0]
     assert str(tmp_path) not in node.bytecode and "plausible_" not in node.bytecode
     panels.prepare(stage := scene.Stage(bpy.context.scene, {}), 2)

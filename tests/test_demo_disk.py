@@ -184,6 +184,8 @@ def _check_blend(path, names):
     """The file at `path` holds objects of these names, and needs nothing beside it."""
     import bpy
 
+    from addon.blender import groups, nodes
+
     assert path.stat().st_size < 3_000_000
     bpy.ops.wm.open_mainfile(filepath=str(path))
     assert set(names) <= set(bpy.data.objects.keys())
@@ -191,13 +193,12 @@ def _check_blend(path, names):
     assert not bpy.data.libraries
     for image in bpy.data.images:
         assert image.packed_file and image.filepath.startswith("//")
-    nodes = [node for material in bpy.data.materials for node in material.node_tree.nodes
-             if node.bl_idname == "ShaderNodeScript"]
-    assert nodes
-    for node in nodes:
-        assert node.bytecode.startswith("OpenShadingLanguage")
-        assert "/" not in node.bytecode.split("code ___main___")[0]
-    return len(nodes)
+    ours = [node for node in map(nodes.find_node, bpy.data.materials) if node is not None]
+    assert ours
+    for script in map(groups.script_of, ours):
+        assert script.bytecode.startswith("OpenShadingLanguage")
+        assert "/" not in script.bytecode.split("code ___main___")[0]
+    return len(ours)
 
 
 @pytest.mark.parametrize(("module", "blend", "names", "count"), [

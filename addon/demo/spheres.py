@@ -111,6 +111,7 @@ def _step(scene, level, material):
 
 def _material(sphere):
     from .. import create_material
+    from ..blender import groups, nodes
 
     material = create_material(sphere.model, name=f"{sphere.model} ({sphere.label})", **sphere.parameters)
     if sphere.brushed:
@@ -120,8 +121,7 @@ def _material(sphere):
         direction.location = (-480.0, 300.0)
         for socket, value in zip(direction.inputs, sphere.brushed, strict=True):
             socket.default_value = value
-        script = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeScript")
-        tree.links.new(direction.outputs[0], next(s for s in script.inputs if s.identifier == "tangent"))
+        tree.links.new(direction.outputs[0], groups.sockets(nodes.find_node(material))["tangent"])
     return material
 
 
