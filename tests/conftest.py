@@ -37,6 +37,26 @@ def no_weights(monkeypatch):
     monkeypatch.setattr(weights_error, "error", lambda model, parameters: known)
 
 
+@pytest.fixture
+def registered():
+    """The add-on, registered from the source folder for one test."""
+    import addon
+
+    addon.register()
+    yield
+    addon.unregister()
+
+
+@pytest.fixture
+def bpy(registered):
+    """The module bpy, the add-on registered; materials are removed after the test."""
+    import bpy
+
+    yield bpy
+    for material in list(bpy.data.materials):
+        bpy.data.materials.remove(material)
+
+
 # Which tests run where.
 
 @pytest.hookimpl(tryfirst=True)  # before -m selects and processes share out

@@ -1,7 +1,6 @@
 """The asset library: whole, of today's shaders, listed while the extension is on, and ready to be dropped."""
 import numpy as np
 import pytest
-from test_panel import bpy, registered  # noqa: F401
 
 from addon.assets import LIBRARY
 from addon.brdf import MODELS
@@ -15,7 +14,7 @@ SHOWN = {model.id: model for model in MODELS.values() if not model.baked}
 
 
 @pytest.fixture
-def contents(bpy):  # noqa: F811
+def contents(bpy):
     """(materials by label, node groups by label) of the library, appended to an empty file."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     with bpy.data.libraries.load(str(LIBRARY), assets_only=True) as (there, wanted):

@@ -9,7 +9,7 @@ import pytest
 
 pytestmark = pytest.mark.blender
 
-from test_panel import Recorder, context_for, drawn, operators, texts
+from recorder import Recorder, context_for, drawn, operators, texts
 
 from addon.baking import bake, sizes
 from addon.brdf import MODELS, tables

@@ -1,7 +1,7 @@
 """The sub-panel Energy: what it shows against the models' albedos, that drawing computes nothing, and what is left."""
 import numpy as np
 import pytest
-from test_panel import Recorder, context_for, registered, shader_editor, texts  # noqa: F401
+from recorder import Recorder, context_for, shader_editor, texts
 
 from addon import brdf
 from addon.plots import picture, quick
@@ -11,7 +11,7 @@ VIEWS = (0.0, 60.0, 80.0)
 
 
 @pytest.fixture
-def bpy(registered):  # noqa: F811
+def bpy(registered):
     import bpy
 
     yield bpy

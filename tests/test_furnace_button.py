@@ -3,7 +3,6 @@ import time
 
 import numpy as np
 import pytest
-from test_panel import bpy, registered  # noqa: F401
 
 from addon import create_material
 from addon.brdf import MODELS
@@ -12,7 +11,7 @@ pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 
 @pytest.fixture
-def job(bpy):  # noqa: F811
+def job(bpy):
     """Runs the test on a material; returns the job."""
     from addon.blender import furnace_test
 
@@ -25,7 +24,7 @@ def job(bpy):  # noqa: F811
     furnace_test.stop()
 
 
-def test_it_measures_what_the_formula_says(bpy, job):  # noqa: F811
+def test_it_measures_what_the_formula_says(bpy, job):
     from addon.blender import furnace_test
 
     colour = (0.9, 0.5, 0.25)
@@ -40,7 +39,7 @@ def test_it_measures_what_the_formula_says(bpy, job):  # noqa: F811
     assert "agrees with the formula" in furnace_test.verdict_text(done)
 
 
-def test_a_wrong_shader_is_found_out(bpy, job):  # noqa: F811
+def test_a_wrong_shader_is_found_out(bpy, job):
     """The shader of another model, put in behind the back of the node that says what the formula is."""
     from addon.blender import furnace_test, groups, nodes, osl
 
@@ -51,7 +50,7 @@ def test_a_wrong_shader_is_found_out(bpy, job):  # noqa: F811
     assert done.verdict == "FAILED" and "differs from the formula" in furnace_test.verdict_text(done)
 
 
-def test_what_is_plugged_in_has_no_formula(bpy, job):  # noqa: F811
+def test_what_is_plugged_in_has_no_formula(bpy, job):
     from addon.blender import furnace_test, groups, nodes
 
     material = create_material("phong")
@@ -62,7 +61,7 @@ def test_what_is_plugged_in_has_no_formula(bpy, job):  # noqa: F811
     assert done.verdict is None and "no formula" in furnace_test.verdict_text(done) and len(done.rows) > 3
 
 
-def test_it_can_be_cancelled(bpy):  # noqa: F811
+def test_it_can_be_cancelled(bpy):
     from addon.blender import furnace_test
 
     furnace_test.job = furnace_test.FurnaceJob(create_material("phong"))
@@ -75,7 +74,7 @@ def test_it_can_be_cancelled(bpy):  # noqa: F811
     assert furnace_test.job is None
 
 
-def test_a_blender_that_fails_is_told_in_words(bpy, monkeypatch):  # noqa: F811
+def test_a_blender_that_fails_is_told_in_words(bpy, monkeypatch):
     from addon.blender import furnace_test
 
     monkeypatch.setattr(furnace_test, "_SCRIPT", "import sys; sys.exit('this Blender has no heart')")

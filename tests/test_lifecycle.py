@@ -1,7 +1,7 @@
 """What happens to materials in a working life: duplicates, undo, overrides, keyframes, scenes, nodes edited by hand."""
 import numpy as np
 import pytest
-from test_panel import bpy, context_for, drawn, registered, texts  # noqa: F401
+from recorder import context_for, drawn, texts
 
 from addon import create_material
 from addon.brdf import MODELS
@@ -35,7 +35,7 @@ def bytecode_of(material):
     return groups.script_of(node_in(material)).bytecode
 
 
-def test_a_duplicate_has_values_of_its_own(bpy):  # noqa: F811
+def test_a_duplicate_has_values_of_its_own(bpy):
     first = create_material("pumped_phong", exponent=7.0)
     second = first.copy()
     set_value(second, "exponent", 70.0)
@@ -43,7 +43,7 @@ def test_a_duplicate_has_values_of_its_own(bpy):  # noqa: F811
     assert node_in(first).node_tree == node_in(second).node_tree, "the shader is held once"
 
 
-def test_a_duplicate_of_what_is_baked_has_weights_of_its_own(bpy):  # noqa: F811
+def test_a_duplicate_of_what_is_baked_has_weights_of_its_own(bpy):
     from addon.blender import nodes
 
     first = create_material("ward", roughness_u=0.4, roughness_v=0.4)
@@ -56,7 +56,7 @@ def test_a_duplicate_of_what_is_baked_has_weights_of_its_own(bpy):  # noqa: F811
     assert not nodes.is_stale(node_in(first)) and not nodes.is_stale(node_in(second))
 
 
-def test_undo_and_redo(bpy):  # noqa: F811
+def test_undo_and_redo(bpy):
     name = create_material("pumped_blinn", exponent=7.0).name
     bpy.ops.ed.undo_push(message="made")
     set_value(bpy.data.materials[name], "exponent", 70.0)
@@ -67,7 +67,7 @@ def test_undo_and_redo(bpy):  # noqa: F811
     assert values_of(bpy.data.materials[name])["exponent"] == 70.0
 
 
-def test_undo_brings_weights_back(bpy):  # noqa: F811
+def test_undo_brings_weights_back(bpy):
     from addon.blender import nodes
 
     name = create_material("blinn_fresnel", exponent=20.0).name
@@ -82,7 +82,7 @@ def test_undo_brings_weights_back(bpy):  # noqa: F811
 
 
 @pytest.fixture
-def library(bpy, tmp_path):  # noqa: F811
+def library(bpy, tmp_path):
     """A .blend with a material "Traveller", on an object."""
     material = create_material("pumped_phong", name="Traveller", exponent=12.0)
     thing = bpy.data.objects.new("Carrier", bpy.data.meshes.new("Carrier"))
@@ -96,13 +96,13 @@ def library(bpy, tmp_path):  # noqa: F811
     return path
 
 
-def linked(bpy, path):  # noqa: F811
+def linked(bpy, path):
     with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
         wanted.materials = ["Traveller"]
     return wanted.materials[0]
 
 
-def test_a_linked_material_is_shown_and_left_alone(bpy, library):  # noqa: F811
+def test_a_linked_material_is_shown_and_left_alone(bpy, library):
     material = linked(bpy, library)
     assert values_of(material)["exponent"] == 12.0
     drawn(context_for(bpy, material))
@@ -111,14 +111,14 @@ def test_a_linked_material_is_shown_and_left_alone(bpy, library):  # noqa: F811
         assert not bpy.ops.plausible.switch_width.poll()
 
 
-def test_a_new_material_does_not_use_a_linked_group(bpy, library):  # noqa: F811
+def test_a_new_material_does_not_use_a_linked_group(bpy, library):
     """The other file may go."""
     material = linked(bpy, library)
     assert node_in(create_material("pumped_phong")).node_tree.library is None
     assert node_in(material).node_tree.library is not None
 
 
-def test_a_library_override_can_be_edited(bpy, library):  # noqa: F811
+def test_a_library_override_can_be_edited(bpy, library):
     material = linked(bpy, library).override_create()
     assert material is not None and values_of(material)["exponent"] == 12.0
     drawn(context_for(bpy, material))
@@ -127,7 +127,7 @@ def test_a_library_override_can_be_edited(bpy, library):  # noqa: F811
     assert values_of(local)["exponent"] == 40.0 and values_of(linked(bpy, library))["exponent"] == 12.0
 
 
-def test_two_scenes_have_switches_of_their_own(bpy):  # noqa: F811
+def test_two_scenes_have_switches_of_their_own(bpy):
     from addon.blender import materials
 
     first, second = bpy.context.scene, bpy.data.scenes.new("second")
@@ -145,7 +145,7 @@ def lit_plane(material):
         return place.render(64).mean(axis=(0, 1))
 
 
-def test_keyframes_render_as_their_values(bpy):  # noqa: F811
+def test_keyframes_render_as_their_values(bpy):
     from addon.blender import groups
 
     material = create_material("pumped_phong", pumps=0.0)
@@ -159,7 +159,7 @@ def test_keyframes_render_as_their_values(bpy):  # noqa: F811
         assert lit_plane(material) == pytest.approx([expected] * 3, abs=0.005), frame
 
 
-def test_a_link_drives_the_exponent(bpy):  # noqa: F811
+def test_a_link_drives_the_exponent(bpy):
     from addon.blender import groups
 
     material = create_material("phong", exponent=5.0)
@@ -170,7 +170,7 @@ def test_a_link_drives_the_exponent(bpy):  # noqa: F811
     assert lit_plane(material) == pytest.approx([expected] * 3, abs=0.005)
 
 
-def test_keyframes_of_what_is_baked_are_told(bpy):  # noqa: F811
+def test_keyframes_of_what_is_baked_are_told(bpy):
     from addon.blender import groups
 
     material = create_material("blinn_fresnel", exponent=20.0)
@@ -178,7 +178,7 @@ def test_keyframes_of_what_is_baked_are_told(bpy):  # noqa: F811
     assert "cannot follow what animates Exponent" in texts(drawn(context_for(bpy, material)))
 
 
-def test_a_node_edited_by_hand(bpy):  # noqa: F811
+def test_a_node_edited_by_hand(bpy):
     """A socket that was removed, a Script node that was deleted: no errors, and the rest goes on."""
     material = create_material("pumped_phong", exponent=7.0)
     tree = node_in(material).node_tree
@@ -192,7 +192,7 @@ def test_a_node_edited_by_hand(bpy):  # noqa: F811
     drawn(context_for(bpy, material))
 
 
-def test_wild_sockets_are_held(bpy):  # noqa: F811
+def test_wild_sockets_are_held(bpy):
     from addon.blender import groups
 
     material = create_material("pumped_phong")

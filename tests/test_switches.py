@@ -1,7 +1,7 @@
 """Switching between two states of a material and back."""
 import numpy as np
 import pytest
-from test_panel import bpy, context_for, drawn, operators, registered, texts  # noqa: F401
+from recorder import context_for, drawn, operators, texts
 
 from addon import create_material
 from addon.verify import room
@@ -15,12 +15,12 @@ def values_of(material):
     return nodes.values(nodes.find_node(material))
 
 
-def press(bpy, name, material):  # noqa: F811
+def press(bpy, name, material):
     with bpy.context.temp_override(material=material):
         return getattr(bpy.ops.plausible, name)()
 
 
-def test_the_lobe_keeps_its_width(bpy):  # noqa: F811
+def test_the_lobe_keeps_its_width(bpy):
     material = create_material("pumped_phong", exponent=126.0)
     press(bpy, "switch_width", material)
     now = values_of(material)
@@ -34,7 +34,7 @@ def test_the_lobe_keeps_its_width(bpy):  # noqa: F811
         press(bpy, "switch_width", create_material("disk_scaling"))
 
 
-def test_before_and_after_pumping(bpy):  # noqa: F811
+def test_before_and_after_pumping(bpy):
     material = create_material("pumped_blinn", pumps=2.5)
     assert "Show before Pumping" in buttons(bpy, material)
     press(bpy, "compare_pumping", material)
@@ -45,7 +45,7 @@ def test_before_and_after_pumping(bpy):  # noqa: F811
         press(bpy, "compare_pumping", create_material("phong"))
 
 
-def buttons(bpy, material):  # noqa: F811
+def buttons(bpy, material):
     return [given.get("text") for name, given in drawn(context_for(bpy, material)) if name == "operator"]
 
 
@@ -57,7 +57,7 @@ def picture(material, osl):
         return place.render(16)
 
 
-def test_the_native_approximation_needs_no_osl(bpy):  # noqa: F811
+def test_the_native_approximation_needs_no_osl(bpy):
     """It renders where the model is black, and back again the model renders to the bit as before."""
     material = create_material("pumped_phong", exponent=50.0, base_color=(0.9, 0.6, 0.3))
     model = picture(material, True)
@@ -71,7 +71,7 @@ def test_the_native_approximation_needs_no_osl(bpy):  # noqa: F811
     assert np.array_equal(picture(material, True), model)
 
 
-def test_the_native_approximation_goes_where_the_model_went(bpy):  # noqa: F811
+def test_the_native_approximation_goes_where_the_model_went(bpy):
     """Through mixes and into several outputs; what is plugged in meanwhile stays."""
     from addon.blender import nodes
 
@@ -102,7 +102,7 @@ def test_the_native_approximation_goes_where_the_model_went(bpy):  # noqa: F811
         press(bpy, "switch_native", material)
 
 
-def test_a_device_without_osl_offers_it(bpy, monkeypatch):  # noqa: F811
+def test_a_device_without_osl_offers_it(bpy, monkeypatch):
     from addon.blender import osl
 
     monkeypatch.setattr(osl, "supports_osl", lambda scene: scene.cycles.device == "CPU")

@@ -7,7 +7,7 @@ roughness, "Baked" a Ward, "Wrapped" a disk lump, and "Mine" a user's node group
 from pathlib import Path
 
 import pytest
-from test_panel import Recorder, bpy, context_for, drawn, operators, registered, texts  # noqa: F401
+from recorder import context_for, drawn, operators, texts
 
 from addon.brdf import MODELS
 from addon.version import VERSION, parts
@@ -18,13 +18,13 @@ OLD = Path(__file__).parent / "data" / "version_0_1.blend"
 
 
 @pytest.fixture
-def loaded(bpy):  # noqa: F811
+def loaded(bpy):
     bpy.ops.wm.open_mainfile(filepath=str(OLD))
     yield bpy
     bpy.ops.wm.read_factory_settings(use_empty=True)
 
 
-def node_in(bpy, name):  # noqa: F811
+def node_in(bpy, name):
     from addon.blender import nodes
 
     return nodes.find_node(bpy.data.materials[name])
@@ -66,7 +66,7 @@ def test_keyframes_and_drivers_follow(loaded):
         assert sockets["pumps"].default_value == pytest.approx(pumps)
 
 
-def test_another_model_keeps_keyframes(bpy):  # noqa: F811
+def test_another_model_keeps_keyframes(bpy):
     """Of what both have; those of what the other lacks wait under its name, and move nothing meanwhile."""
     from addon import create_material
     from addon.blender import groups, materials, nodes
@@ -119,7 +119,7 @@ def test_it_is_told(loaded, capsys):
     assert upgrade.told == ""
 
 
-def test_what_is_appended_later_has_a_button(bpy):  # noqa: F811
+def test_what_is_appended_later_has_a_button(bpy):
     from addon.blender import nodes
 
     with bpy.data.libraries.load(str(OLD)) as (_, wanted):
@@ -132,7 +132,7 @@ def test_what_is_appended_later_has_a_button(bpy):  # noqa: F811
     assert "plausible.upgrade" not in operators(drawn(context_for(bpy, material)))
 
 
-def test_what_is_linked_is_left_alone(bpy):  # noqa: F811
+def test_what_is_linked_is_left_alone(bpy):
     from addon.blender import upgrade
 
     with bpy.data.libraries.load(str(OLD), link=True) as (_, wanted):
@@ -141,7 +141,7 @@ def test_what_is_linked_is_left_alone(bpy):  # noqa: F811
     assert any(n.bl_idname == "ShaderNodeScript" for n in wanted.materials[0].node_tree.nodes)
 
 
-def test_one_that_cannot_be_upgraded_stays(bpy, monkeypatch):  # noqa: F811
+def test_one_that_cannot_be_upgraded_stays(bpy, monkeypatch):
     from addon.blender import groups, upgrade
 
     def broken(tree, model, *_):
@@ -155,7 +155,7 @@ def test_one_that_cannot_be_upgraded_stays(bpy, monkeypatch):  # noqa: F811
     bpy.ops.wm.read_factory_settings(use_empty=True)
 
 
-def test_a_newer_version_is_told(bpy):  # noqa: F811
+def test_a_newer_version_is_told(bpy):
     from addon import create_material
     from addon.blender import groups, nodes, status, upgrade
 

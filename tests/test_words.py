@@ -3,7 +3,7 @@ import string
 
 import interface_words
 import pytest
-from test_panel import bpy, context_for, drawn, registered, texts  # noqa: F401
+from recorder import context_for, drawn, texts
 
 pytestmark = pytest.mark.blender
 
@@ -37,7 +37,7 @@ def test_numbers_stay():
         assert fields(english) == fields(german) and german.strip(), english
 
 
-def test_the_panel_speaks_german(bpy):  # noqa: F811
+def test_the_panel_speaks_german(bpy):
     from addon import create_material
     from addon.blender import words
 
