@@ -13,7 +13,7 @@ from addon import create_material
 from addon.brdf import MODELS, exr, tables
 from addon.verify import room
 
-pytestmark = [pytest.mark.blender, pytest.mark.versions]
+pytestmark = pytest.mark.blender
 
 ROOT = Path(__file__).resolve().parents[1]
 PUMPED = ("pumped_phong", "pumped_blinn")
@@ -40,6 +40,7 @@ def use_table(material, control, path):
     groups.sockets(nodes.find_node(material))[name].default_value = str(path)
 
 
+@pytest.mark.versions_by_shader
 @pytest.mark.parametrize("exponent, typical", [(1.0, 1e-5), (20.0, 1e-5), (3000.0, 1e-4), (100000.0, 1e-3)])
 @pytest.mark.parametrize("control", [False, True], ids=["plain", "controlled"])
 @pytest.mark.parametrize("model", PUMPED)
@@ -59,6 +60,7 @@ def test_files_render_what_compiled_tables_render(model, control, exponent, typi
         assert difference.std() < 0.02
 
 
+@pytest.mark.versions
 @pytest.mark.parametrize("model, given", [
     ("edwards_fit", {"base_color": 1.0, "exponent": 0.0, "second_exponent": 5000.0, "second_radius": 0.05}),
     ("edwards_fit", {"base_color": 1.0, "exponent": 5.0, "second_exponent": 20.0, "radius": 1.0}),
@@ -74,6 +76,7 @@ def test_files_of_the_disk_render_what_compiled_tables_render(model, given):
         assert abs(difference.mean()) < 1e-4 + 5.0 * difference.std() / np.sqrt(len(difference))
 
 
+@pytest.mark.versions
 @pytest.mark.parametrize("model, mode", [("edwards_fit", "volume"), ("reciprocal_disk", "plain")])
 def test_a_bad_file_of_the_disk_is_told(model, mode, tmp_path, capfd):
     from addon.blender import groups, nodes
@@ -126,6 +129,7 @@ def stale(good, folder):
     return folder / "stale.exr"
 
 
+@pytest.mark.versions
 @pytest.mark.parametrize("spoil", [missing, nameless, truncated, no_image, other_image, other_table, stale])
 @pytest.mark.parametrize("control", [False, True], ids=["plain", "controlled"])
 def test_a_bad_file_is_told_in_picture_and_words(spoil, control, tmp_path, capfd):
@@ -143,6 +147,7 @@ def test_a_bad_file_is_told_in_picture_and_words(spoil, control, tmp_path, capfd
     assert "Plausible BRDF: albedo table" in said and str(path) in said
 
 
+@pytest.mark.versions
 def test_a_bad_file_of_the_other_kind_does_not_matter(tmp_path):
     """A controlled material does not read the plain table, nor an unpumped one either."""
     material = create_material("pumped_phong", lut="file", control=True)
@@ -153,6 +158,7 @@ def test_a_bad_file_of_the_other_kind_does_not_matter(tmp_path):
     assert picture(unpumped)[:, 1].mean() > 0.4
 
 
+@pytest.mark.versions
 def test_a_mended_file_is_read_again(tmp_path):
     material = create_material("pumped_phong", lut="file")
     good = tables.TABLES["phong_controlled"].path
@@ -204,6 +210,7 @@ def run_in(python, script, *arguments):
 
 
 if OTHERS:  # nothing to test, and nothing to skip, where there is one Blender only
+    @pytest.mark.versions
     @pytest.mark.parametrize("python", OTHERS)
     def test_the_newer_version_renders_what_the_older_saved(python, tmp_path):
         # Not the other way: files of 5.x are closed to 4.2.

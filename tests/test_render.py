@@ -572,6 +572,7 @@ def tilted(tilt_deg):
     return build
 
 
+@pytest.mark.versions
 def test_a_tilted_shading_normal_turns_the_lobe():
     parameters = shape(150.0, 1.0, True)
     material = create_material("pumped_phong", **parameters)
@@ -637,6 +638,7 @@ def test_mixed_half_and_half_with_diffuse():
     assert_shows(plane(material, 60.0, samples=512), 0.5 * albedo_at(60.0) + 0.5 * 0.6)
 
 
+@pytest.mark.versions
 def test_inside_a_node_group():
     import bpy
 
@@ -653,6 +655,7 @@ def test_inside_a_node_group():
     assert_shows(plane(material, 60.0, samples=512), albedo_at(60.0))
 
 
+@pytest.mark.versions
 def test_far_from_the_origin():
     def away(place):
         from mathutils import Vector
@@ -792,6 +795,7 @@ def test_a_socket_out_of_range_renders_what_its_bound_renders(name, wild, held):
     assert np.array_equal(*pictures)
 
 
+@pytest.mark.versions
 @pytest.mark.parametrize("name", ["exponent", "pumps", "roughness", "light_spread"])
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 def test_a_socket_that_is_no_number_renders_numbers(name, value):

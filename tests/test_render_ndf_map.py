@@ -93,6 +93,7 @@ def test_a_letter_can_be_read(image_of_letter, theta, tangent):
     assert found[[0, 1, 2, 3, 7]].min() > 0.4 and np.abs(found[[4, 6]]).max() < 0.1
 
 
+@pytest.mark.versions
 def test_an_image_that_changes(tmp_path, monkeypatch):
     """Painted over it makes the weights stale, gone it does not; one that is not there leaves the stand-in alone."""
     few = weights.weights(MODELS["blinn_original"], {"exponent": 50.0})

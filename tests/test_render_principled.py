@@ -10,7 +10,7 @@ from addon import verify
 from addon.brdf.geometry import view_at
 from addon.fitting.principled_bsdf import Inputs, albedo, evaluate
 
-pytestmark = pytest.mark.blender
+pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 METAL_BOUND, BODY_BOUND = 0.005, 0.005  # of f, beside 0.001 of the view's peak
 ALBEDO_BOUND, ALBEDO_NOISE = 0.006, 0.001

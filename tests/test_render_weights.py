@@ -172,6 +172,7 @@ def is_striped(pixels):
     return pixels.std() > 0.3 * pixels.mean()
 
 
+@pytest.mark.versions
 def test_stale_weights_are_striped():
     """Values that were written behind our back, and links, cannot be followed: nobody takes what is shown for them."""
     material = create_material("cook_torrance", roughness=0.2)
@@ -189,6 +190,7 @@ def test_stale_weights_are_striped():
     assert nodes.driven(node) == ["Slope m"]
 
 
+@pytest.mark.versions
 def test_values_are_followed():
     """What is set by the panel, or for another model, renders as its formula at once."""
     material = create_material("blinn_fresnel", exponent=200.0, base_color=0.5)
@@ -212,6 +214,7 @@ bpy.ops.render.render(write_still=True)
 """
 
 
+@pytest.mark.versions
 def test_a_saved_material_needs_no_extension(tmp_path):
     """A fresh process without the package renders from the .blend alone what was rendered here."""
     bpy.ops.wm.read_factory_settings(use_empty=True)

@@ -7,7 +7,7 @@ from addon.brdf import MODELS
 from addon.fitting import principled_bsdf
 from addon.verify import room
 
-pytestmark = pytest.mark.blender
+pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 VIEW = 50.0
 

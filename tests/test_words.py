@@ -5,7 +5,7 @@ import interface_words
 import pytest
 from recorder import context_for, drawn, texts
 
-pytestmark = pytest.mark.blender
+pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 
 def table():
