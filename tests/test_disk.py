@@ -294,7 +294,7 @@ def test_samples_follow_the_pdf(model, given, mu):
     """Chi-square over cells of the sphere; the expectation is the pdf, integrated on a fine grid."""
     view, count = view_at(mu), 40000
     light = MODELS[model].sample(view, np.random.default_rng(9).random((count, 2)), **given)
-    z, phi = (np.arange(2400) + 0.5) / 1200 - 1.0, ((np.arange(1440) + 0.5) / 720 - 1.0) * np.pi
+    z, phi = (np.arange(1200) + 0.5) / 600 - 1.0, ((np.arange(720) + 0.5) / 360 - 1.0) * np.pi
     z, phi = (grid.ravel() for grid in np.meshgrid(z, phi, indexing="ij"))
     s = np.sqrt(1.0 - z * z)
     pdf = MODELS[model].pdf(view, np.stack([s * np.cos(phi), s * np.sin(phi), z], axis=-1), **given)
