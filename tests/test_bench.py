@@ -54,3 +54,11 @@ def test_what_a_user_gets_wrong_is_one_line(arguments, word, capfd):
     assert cli.main(["bench", *arguments]) == 2
     said = capfd.readouterr()
     assert said.err.strip().count("\n") == 0 and word in said.err
+
+
+def test_the_interfaces_cost(capsys):
+    """How long is not tested, as machines differ: that each model is timed."""
+    assert cli.main(["bench", "phong", "ward", "--interface", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["rows"]
+    assert [row["model"] for row in rows] == ["phong", "ward"]
+    assert all(row["plot_ms"] > 0.0 and row["stand_in_ms"] > 0.0 for row in rows)

