@@ -9,6 +9,8 @@ import time
 import zlib
 from pathlib import Path
 
+from .files import replacing
+
 _SUFFIX = ".z"
 _ABANDONED = 3600.0  # seconds after which a part of an entry was left behind by a process that was killed
 
@@ -39,13 +41,8 @@ class Store:
         data = zlib.compress(json.dumps(value).encode(), 6)
         if len(data) > self.limit:
             return
-        path = self._path(key)
-        beside = path.with_name(f".{path.name}.{os.getpid()}.part")
-        try:
+        with replacing(self._path(key)) as beside:
             beside.write_bytes(data)
-            beside.replace(path)
-        finally:
-            beside.unlink(missing_ok=True)
         self.trim()
 
     def trim(self):

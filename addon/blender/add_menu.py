@@ -2,10 +2,10 @@
 import bpy
 
 from .. import brdf
-from . import groups, nodes, osl
+from . import groups, nodes
+from .operators import osl_works, reporting
 from .properties import MODEL_ITEMS
 
-# Models of one family stand together in the menu, the founding ones first.
 _HOME = "NODE_MT_category_shader_shader"
 
 
@@ -30,10 +30,7 @@ class PLAUSIBLE_OT_add_node(bpy.types.Operator):
         if space.edit_tree is None or not space.edit_tree.is_editable:
             cls.poll_message_set("There are no nodes here that can be edited")
             return False
-        reason = osl.unavailable()
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+        return osl_works(cls)
 
     def invoke(self, context, event):
         # Where the mouse is, not where the menu was opened last.
@@ -43,14 +40,11 @@ class PLAUSIBLE_OT_add_node(bpy.types.Operator):
             bpy.ops.node.translate_attach_remove_on_cancel("INVOKE_DEFAULT")
         return result
 
+    @reporting
     def execute(self, context):
         tree = context.space_data.edit_tree
-        try:
-            node = groups.add_node(tree, brdf.MODELS[self.model])
-            nodes.note_values(node)
-        except (RuntimeError, ValueError, OSError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        node = groups.add_node(tree, brdf.MODELS[self.model])
+        nodes.note_values(node)
         for other in tree.nodes:
             other.select = False
         node.location, node.select = context.space_data.cursor_location, True

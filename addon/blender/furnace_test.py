@@ -14,9 +14,9 @@ import bpy.utils.previews
 import numpy as np
 
 from ..plots import picture, quick
-from . import nodes, osl
+from . import nodes
 from .areas import redraw
-from .operators import OnMaterial, material_of
+from .operators import OnMaterial, material_of, osl_works
 from .panels import Face, draw_text, in_both_places
 from .words import say
 
@@ -140,11 +140,10 @@ class PLAUSIBLE_OT_furnace_test(OnMaterial, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        reason = osl.unavailable()
-        if reason or (job is not None and job.running):
-            cls.poll_message_set(reason or "A test is running")
+        if job is not None and job.running:
+            cls.poll_message_set("A test is running")
             return False
-        return super().poll(context)
+        return osl_works(cls) and super().poll(context)
 
     def invoke(self, context, event):
         if not self._start(context):

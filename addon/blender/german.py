@@ -135,13 +135,11 @@ GERMAN = {
     "OSL on GPU needs OptiX, and these materials more room than Cycles has there: render on the CPU, or what Cycles "
     "ships in place of the model":
         "OSL auf der GPU braucht OptiX, und diese Materialien mehr Platz, als Cycles dort hat: auf der CPU rendern, "
-        "oder "
-        "was Cycles anstelle des Modells mitbringt",
+        "oder was Cycles anstelle des Modells mitbringt",
     "On the GPU these materials ask for more room than Cycles has: render on the CPU, or what Cycles ships in place of "
     "the model":
         "Auf der GPU brauchen diese Materialien mehr Platz, als Cycles hat: auf der CPU rendern, oder was Cycles "
-        "anstelle "
-        "des Modells mitbringt",
+        "anstelle des Modells mitbringt",
     "Only Cycles renders the model; other engines show a stand-in":
         "Nur Cycles rendert das Modell; andere Engines zeigen einen Ersatz",
     "Open Shading Language is off in this scene: Plausible materials render black":
@@ -151,8 +149,7 @@ GERMAN = {
     "Seen at a slant the lump is shrunk to a radius of 1 - sin θ, its shape kept, so that it stays on the disk and no "
     "light is lost":
         "Schräg gesehen schrumpft der Buckel auf einen Radius von 1 - sin θ, in gleicher Form, damit er auf der "
-        "Scheibe "
-        "bleibt und kein Licht verloren geht",
+        "Scheibe bleibt und kein Licht verloren geht",
     "The furnace agrees with the formula: at most {most:.4f} off, at {view:g}°":
         "Der Ofen stimmt mit der Formel überein: höchstens {most:.4f} daneben, bei {view:g}°",
     "The furnace differs from the formula: at most {most:.4f} off, at {view:g}°":
@@ -160,13 +157,11 @@ GERMAN = {
     "The weights are for other values": "Die Gewichte gelten für andere Werte",
     "This model is baked for one value of each parameter and cannot follow what animates {names}: it renders striped":
         "Dieses Modell ist für einen Wert jedes Parameters gebacken und kann dem nicht folgen, was {names} animiert: "
-        "es "
-        "rendert gestreift",
+        "es rendert gestreift",
     "This model is baked for one value of each parameter and cannot follow what is plugged into {names}: it renders "
     "striped":
         "Dieses Modell ist für einen Wert jedes Parameters gebacken und kann dem nicht folgen, was in {names} "
-        "eingesteckt "
-        "ist: es rendert gestreift",
+        "eingesteckt ist: es rendert gestreift",
     "Too noisy to tell: at most {most:.4f} off, at {view:g}°":
         "Zu verrauscht für ein Urteil: höchstens {most:.4f} daneben, bei {view:g}°",
     "Upgraded to {version}: {names}. The file on disk is as it was until you save":

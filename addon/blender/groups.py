@@ -64,12 +64,19 @@ def sockets(node) -> dict:
     A text has its socket on the Script node, as groups have none of that kind before Blender 5.
     """
     outside = {socket.identifier: socket for socket in node.inputs}
-    found = {}
-    for inside in script_of(node).inputs:
-        holder = outside.get(inside.links[0].from_socket.identifier) if inside.is_linked else inside
-        if holder is not None:
-            found[inside.identifier] = holder
-    return found
+    found = {inside.identifier: _holder(inside, outside) for inside in script_of(node).inputs}
+    return {name: holder for name, holder in found.items() if holder is not None}
+
+
+def socket(node, name: str):
+    """The one of `sockets` for a parameter, by id, or None: panels ask for each at every redraw."""
+    inside = next((s for s in script_of(node).inputs if s.identifier == name), None)
+    return None if inside is None else _holder(inside, {s.identifier: s for s in node.inputs})
+
+
+def _holder(inside, outside):
+    """The socket that feeds one of the Script node's, of those `outside`, by identifier; itself where none does."""
+    return outside.get(inside.links[0].from_socket.identifier) if inside.is_linked else inside
 
 
 def lut_of(node) -> str:
@@ -82,19 +89,14 @@ def load(node, parameters: dict | None = None):
 
     A group that other nodes use, too, is left to them, and the node gets a copy. Raises as `osl.compile_model`.
     """
-    put(node, osl.compile_model(model_of(node), lut_of(node), parameters))
-    if model_of(node).tables:
-        node.node_tree[SPANS_KEY] = source.spans(model_of(node))
-
-
-def put(node, bytecode):
-    """Put bytecode into a node as `load` does."""
-    script = script_of(node)
-    if script.bytecode == bytecode:
-        return
-    if model_of(node).baked:
-        own(node)
-    osl.fill(script_of(node), bytecode)
+    model = model_of(node)
+    bytecode = osl.compile_model(model, lut_of(node), parameters)
+    if script_of(node).bytecode != bytecode:
+        if model.baked:
+            own(node)
+        osl.fill(script_of(node), bytecode)
+    if model.tables:
+        node.node_tree[SPANS_KEY] = source.spans(model)
 
 
 def own(node):
@@ -165,7 +167,7 @@ def _new_socket(interface, parameter, panel):
     socket = interface.new_socket(parameter.label, in_out="INPUT", socket_type=kind, parent=panel)
     socket.description = parameter.help + "".join(f"; {i}: {item[1]}" for i, item in enumerate(parameter.items))
     if kind == "NodeSocketFloat":
-        socket.subtype = _subtype(parameter)
+        socket.subtype = subtype(parameter)
     if kind in ("NodeSocketFloat", "NodeSocketInt", "NodeSocketVector") and math.isfinite(parameter.maximum):
         whole = int if kind == "NodeSocketInt" else float
         socket.min_value, socket.max_value = whole(parameter.minimum), whole(parameter.maximum)
@@ -175,7 +177,8 @@ def _new_socket(interface, parameter, panel):
     return socket.identifier
 
 
-def _subtype(parameter):
+def subtype(parameter) -> str:
+    """How Blender shows the number of a parameter: with a unit, as a part of a range, or as it is."""
     if parameter.unit in _SUBTYPES:
         return _SUBTYPES[parameter.unit]
     bounded = not parameter.logarithmic and math.isfinite(parameter.maximum)

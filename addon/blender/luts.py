@@ -1,11 +1,10 @@
 """Albedo tables inside Blender: their folder, what is wrong with them, and baking them in the background."""
-import os
 import shutil
 import threading
 import time
 from pathlib import Path
 
-from ..baking import bake, sizes
+from ..baking import bake, files, sizes
 from ..brdf import tables
 from . import settings
 
@@ -81,18 +80,9 @@ def use_bake_folder():
     for name, table in tables.TABLES.items():
         original = source / table.path.name
         if original.exists() and (problem([name]) if chosen is None else not table.path.exists()):
-            _copy(original, table.path)
+            with files.replacing(table.path) as beside:
+                shutil.copyfile(original, beside)
     tables.forget()
-
-
-def _copy(original, path):
-    """Copy a table beside `path`, and rename it when it is whole."""
-    beside = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        shutil.copyfile(original, beside)
-        beside.replace(path)
-    finally:
-        beside.unlink(missing_ok=True)
 
 
 def delete_own():

@@ -28,7 +28,7 @@ def find_node(material):
 
 def socket_of(node, parameter):
     """The socket of a parameter, or None where the node lacks it."""
-    return groups.sockets(node).get(parameter.id)
+    return groups.socket(node, parameter.id)
 
 
 def get_value(node, parameter):

@@ -41,7 +41,8 @@ def plausible_node(material):
     return (node, model) if model else (None, None)
 
 
-def _osl_works(cls):
+def osl_works(cls):
+    """Whether this Blender runs OSL, for an operator's poll; where not, the button tells why."""
     reason = osl.unavailable()
     if reason:
         cls.poll_message_set(reason)
@@ -66,7 +67,7 @@ class PLAUSIBLE_OT_new_material(bpy.types.Operator):
         if not (thing.is_editable and thing.data.is_editable):
             cls.poll_message_set("The active object is linked from another file")
             return False
-        return _osl_works(cls)
+        return osl_works(cls)
 
     @reporting
     def execute(self, context):
@@ -94,7 +95,7 @@ class PLAUSIBLE_OT_use_osl(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return context.scene is not None and _osl_works(cls)
+        return context.scene is not None and osl_works(cls)
 
     def execute(self, context):
         materials.use_osl(context.scene)
@@ -273,7 +274,7 @@ class PLAUSIBLE_OT_upgrade(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return _osl_works(cls)
+        return osl_works(cls)
 
     def execute(self, context):
         said = upgrade.upgrade_all() or "No node is of an earlier version"
@@ -290,7 +291,7 @@ class PLAUSIBLE_OT_update_materials(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return _osl_works(cls)
+        return osl_works(cls)
 
     @reporting
     def execute(self, context):

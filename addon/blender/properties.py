@@ -8,10 +8,9 @@ import math
 import bpy
 
 from ..brdf import MODELS
-from . import icons, materials, nodes
+from . import groups, icons, materials, nodes
 
 _EXPONENT_SOFT_MAX = 1000.0  # dragging is linear: to 100000 it would jump over everything that is not a mirror
-_SUBTYPES = {"": "NONE", "rad": "ANGLE", "m": "DISTANCE"}
 
 
 def _owner(group, parameter):
@@ -78,10 +77,7 @@ def _property(parameter):
     if parameter.logarithmic:
         return bpy.props.FloatProperty(soft_max=min(_EXPONENT_SOFT_MAX, parameter.maximum), step=100, precision=2,
                                        **_float_range(parameter), **common)
-    subtype = _SUBTYPES.get(parameter.unit, "NONE")
-    if subtype == "NONE" and math.isfinite(parameter.maximum):
-        subtype = "FACTOR"
-    return bpy.props.FloatProperty(subtype=subtype, precision=3, **_float_range(parameter), **common)
+    return bpy.props.FloatProperty(subtype=groups.subtype(parameter), precision=3, **_float_range(parameter), **common)
 
 
 def _named_parameters():

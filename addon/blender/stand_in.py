@@ -197,17 +197,17 @@ class _Nodes:
 
     def blend(self, factor, low, high):
         """low + factor (high - low)."""
-        return self._mix("FLOAT", 0, factor, low, high)
+        return self._mix("FLOAT", factor, low, high)
 
     def blend_vector(self, factor, low, high):
-        return self._mix("VECTOR", 1, factor, low, high)
+        return self._mix("VECTOR", factor, low, high)
 
-    def _mix(self, kind, place, factor, low, high):
+    def _mix(self, kind, factor, low, high):
         node = self.new("ShaderNodeMix")
         node.data_type = kind
         # A Mix node has the sockets of all its types; those of one type are enabled.
-        factor_socket, *ends = [socket for socket in node.inputs if socket.enabled]
-        for socket, source in zip((factor_socket, *ends), (factor, low, high), strict=True):
+        used = [socket for socket in node.inputs if socket.enabled]
+        for socket, source in zip(used, (factor, low, high), strict=True):
             self.link(source, socket)
         return next(socket for socket in node.outputs if socket.enabled)
 

@@ -97,8 +97,7 @@ def _native(node):
         text = say("Cycles renders the native approximation in place of the model")
     else:
         text = say("Cycles renders the native approximation in place of the model. Its lobe differs by {lobe:.2g} %, "
-                   "its "
-                   "albedo by {albedo:.2g} %", lobe=lobe, albedo=albedo)
+                   "its albedo by {albedo:.2g} %", lobe=lobe, albedo=albedo)
     return Notice(text, Cure("plausible.switch_native", "Render the Model"), icon="INFO")
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import bpy
 
+from ..baking.files import replacing
 from ..brdf import MODELS
 from ..brdf.metals import METALS
 from ..brdf.pumped_model import PumpedModel
@@ -49,7 +50,7 @@ def render(path: Path, model_id: str, parameters: dict, headlight: bool = False)
     body = next(thing for thing in scene.objects if thing.type == "MESH")
     parts.wear(body, create_material(model_id, **parameters))
     path.parent.mkdir(parents=True, exist_ok=True)
-    raw, beside = path.with_name(f".{path.name}.raw.png"), path.with_name(f".{path.name}.part")
+    raw = path.with_name(f".{path.name}.raw.png")
     scene.render.filepath = str(raw)
     try:
         with picture.quiet():
@@ -58,11 +59,10 @@ def render(path: Path, model_id: str, parameters: dict, headlight: bool = False)
             over = Image.new("RGBA", rendered.size, (*BACKGROUND, 255))
             over.alpha_composite(rendered.convert("RGBA"))
         few = over.convert("RGB").quantize(COLORS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-        few.save(beside, format="PNG", optimize=True)
-        beside.replace(path)
+        with replacing(path) as beside:
+            few.save(beside, format="PNG", optimize=True)
     finally:
         raw.unlink(missing_ok=True)
-        beside.unlink(missing_ok=True)
 
 
 def _stage(headlight):

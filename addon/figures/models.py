@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..baking.files import replacing
 from ..brdf.channels import mean
 from ..brdf.geometry import in_plane
 from ..compare import lobes
@@ -92,9 +93,8 @@ def save(figure, path: Path) -> Path:
     figure.canvas.draw()
     few = Image.fromarray(_nearest(np.asarray(figure.canvas.buffer_rgba())[..., :3], _palette()))
     few.putpalette(_palette().ravel().tolist())
-    beside = path.with_name(f".{path.name}.part")
-    few.save(beside, format="PNG", optimize=True)
-    beside.replace(path)
+    with replacing(path) as beside:
+        few.save(beside, format="PNG", optimize=True)
     return path
 
 

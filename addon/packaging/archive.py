@@ -4,6 +4,8 @@ import zipfile
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from ..baking.files import replacing
+
 MANIFEST = "blender_manifest.toml"
 ROOT = Path(__file__).resolve().parents[2]
 _TIMESTAMP = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip can hold: the clock must not change the archive
@@ -76,14 +78,9 @@ def build(folder: Path, root: Path = ROOT) -> Path:
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / file_name(read_manifest(root))
-    beside = path.with_name(f".{path.name}.part")
-    try:
-        with zipfile.ZipFile(beside, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-            for name in names:
-                entry = zipfile.ZipInfo(name, _TIMESTAMP)
-                entry.compress_type, entry.create_system, entry.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16
-                archive.writestr(entry, (Path(root) / name).read_bytes())
-        beside.replace(path)
-    finally:
-        beside.unlink(missing_ok=True)
+    with replacing(path) as beside, zipfile.ZipFile(beside, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name in names:
+            entry = zipfile.ZipInfo(name, _TIMESTAMP)
+            entry.compress_type, entry.create_system, entry.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16
+            archive.writestr(entry, (Path(root) / name).read_bytes())
     return path

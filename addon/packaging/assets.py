@@ -6,6 +6,7 @@ import uuid
 from pathlib import Path
 
 from ..assets import LIBRARY, preview
+from ..baking import files
 from ..brdf import MODELS
 from ..brdf.presets import PRESETS
 
@@ -40,9 +41,8 @@ def build(folder: Path = LIBRARY.parent, progress=lambda done, total: None) -> P
     folder.mkdir(parents=True, exist_ok=True)
     _write_catalogues(folder / CATALOGUES)
     path = folder / LIBRARY.name
-    part = path.with_suffix(".part.blend")
-    bpy.data.libraries.write(str(part), made, compress=True)
-    part.replace(path)
+    with files.replacing(path) as beside:
+        bpy.data.libraries.write(str(beside), made, compress=True)
     return path
 
 
@@ -81,6 +81,4 @@ def _write_catalogues(path):
     names = sorted({"Plausible", _NODES, *map(_catalogue, PRESETS.values())})
     lines = ["# Catalogues of the Plausible BRDF asset library.", "VERSION 1", ""]
     lines += [f"{identifier(name)}:{name}:{name.replace('/', '-')}" for name in names]
-    part = path.with_suffix(".part")
-    part.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    part.replace(path)
+    files.replace_text(path, "\n".join(lines) + "\n")

@@ -1,6 +1,7 @@
 """Writing the models' pages into a folder, and telling which of them are not what would be written."""
 from pathlib import Path
 
+from ..baking.files import replace_text
 from ..brdf import MODELS
 from . import model_page
 
@@ -19,9 +20,7 @@ def write(folder: Path = MODEL_PAGES) -> list:
     folder.mkdir(parents=True, exist_ok=True)
     pages = texts()
     for name, text in pages.items():
-        beside = folder / f".{name}.part"
-        beside.write_text(text, encoding="utf-8")
-        beside.replace(folder / name)
+        replace_text(folder / name, text)
     return [folder / name for name in pages]
 
 
