@@ -49,12 +49,14 @@ def registered():
 
 @pytest.fixture
 def bpy(registered):
-    """The module bpy, the add-on registered; materials are removed after the test."""
+    """The module bpy, the add-on registered; materials and the groups of nodes they use are removed after the test."""
     import bpy
 
     yield bpy
     for material in list(bpy.data.materials):
         bpy.data.materials.remove(material)
+    for group in list(bpy.data.node_groups):
+        bpy.data.node_groups.remove(group)
 
 
 # Which tests run where.

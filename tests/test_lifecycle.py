@@ -118,6 +118,18 @@ def test_a_new_material_does_not_use_a_linked_group(bpy, library):
     assert node_in(material).node_tree.library is not None
 
 
+def test_a_new_material_does_not_use_a_group_that_was_edited(bpy):
+    """Plain materials of a model share one group, but not one that lost a socket or says that it is another model's."""
+    first, second = node_in(create_material("phong")), node_in(create_material("phong"))
+    assert first.node_tree == second.node_tree
+    interface = first.node_tree.interface
+    interface.remove(next(item for item in interface.items_tree if item.name == "Exponent"))
+    third = node_in(create_material("phong", exponent=30.0))
+    assert third.node_tree != first.node_tree and "Exponent" in third.inputs
+    third.node_tree["plausible_model"] = "pumped_phong"
+    assert node_in(create_material("phong")).node_tree not in (first.node_tree, third.node_tree)
+
+
 def test_a_library_override_can_be_edited(bpy, library):
     material = linked(bpy, library).override_create()
     assert material is not None and values_of(material)["exponent"] == 12.0

@@ -107,14 +107,18 @@ def own(node):
 
 
 def _shared(model, bytecode, lut):
-    """A group of this file that holds the bytecode already. What is baked and what names files is not shared."""
+    """A group of this file that holds the bytecode already, and has all its sockets: users may edit what they have.
+
+    What is baked and what names files is not shared.
+    """
     if model.baked or lut == source.FILE:
         return None
     digest = hashlib.md5(bytecode.encode()).hexdigest()
+    labels = {p.label for p in model.parameters if p.kind in _KINDS}
     for tree in bpy.data.node_groups:
-        if tree.get(MODEL_KEY) and tree.get(VERSION_KEY) == VERSION and tree.library is None:
-            script = _script_in(tree)
-            if script is not None and script.bytecode_hash == digest:
+        if tree.get(MODEL_KEY) == model.id and tree.get(VERSION_KEY) == VERSION and tree.library is None:
+            script, held = _script_in(tree), {item.name for item in tree.interface.items_tree}
+            if script is not None and script.bytecode_hash == digest and labels <= held:
                 return tree
     return None
 
