@@ -90,11 +90,19 @@ def test_zip_is_what_blenders_own_builder_makes(package, tmp_path):
 def test_zip_holds_the_extension_and_nothing_else(package):
     with zipfile.ZipFile(package) as zipped:
         names = zipped.namelist()
-    allowed = {"__init__.py", "blender_manifest.toml", "LICENSE", "README.md", "addon", "osl", "luts"}
+    allowed = {"__init__.py", "blender_manifest.toml", "LICENSE", "README.md", "addon", "osl", "luts", "docs"}
     assert {name.partition("/")[0] for name in names} <= allowed
     assert not [name for name in names if "__pycache__" in name or "/." in name or name.endswith((".pyc", ".oso"))]
+    manual = settings_manual()
+    assert manual in names, "what Documentation in the preferences opens"
     assert {f"luts/{name}.exr" for name in tables.TABLES} <= set(names)
     assert {f"osl/{source.shader_path(model).name}" for model in brdf.MODELS.values()} <= set(names)
+
+
+def settings_manual():
+    from addon.blender import settings
+
+    return settings.MANUAL.relative_to(archive.ROOT).as_posix()
 
 
 def test_zip_is_the_same_bytes_for_the_same_files(package, tmp_path):

@@ -1,4 +1,6 @@
 """The manual's pages: those made from the registry are today's, say what is declared, and no link leads nowhere."""
+import os
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -6,7 +8,8 @@ import pytest
 
 from addon import cli
 from addon.brdf import MODELS, presets
-from addon.pages import limits, links, model_page, shown, write
+from addon.packaging import archive
+from addon.pages import limits, links, manual, model_page, shown, write
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -27,6 +30,42 @@ def test_every_model_has_todays_page(texts):
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_links_and_pictures_are_there(path):
     assert links.broken(path) == []
+
+
+def test_the_manual_is_of_todays_pages():
+    assert not manual.is_outdated(), TODAY
+
+
+def test_the_manual_leads_somewhere():
+    """As the extension has it: pictures and files that ship, and chapters and headings that are there."""
+    text = manual.MANUAL.read_text(encoding="utf-8")
+    shipped, places = set(archive.files()), set(re.findall(r'id="([^"]+)"', text))
+    found = re.findall(r'(?:href|src)="([^"]+)"', text)
+    assert len(found) > 250 and {"#models-ward", "models/ward.png", "panel.png"} <= set(found)
+    inside = {target[1:] for target in found if target.startswith("#")} - {""}
+    assert inside - places == set()
+    paths = {target.partition("#")[0] for target in found if not re.match("#|[a-z]+:", target)}
+    lost = {path for path in paths if os.path.normpath(f"docs/{path}") not in shipped}
+    assert lost == {path for path in lost if re.match(r"\.\./(tests|demo_blends|run)", path)}
+
+
+def test_a_changed_page_makes_the_manual_outdated(tmp_path):
+    (tmp_path / "models").mkdir()
+    for page in manual.pages():
+        name = os.path.relpath(page, manual.DOCS)
+        if not name.startswith(".."):
+            (tmp_path / name).write_text(f"# {name}\n\n[on](user-guide.md#there)\n", encoding="utf-8")
+    folder = tmp_path / "docs"
+    (tmp_path / "README.md").write_text("# All\n\n![Gone](docs/gallery/a.png)\n\n*Words.*\n\nLast\n", encoding="utf-8")
+    folder.mkdir()
+    for entry in ("models", *(path.name for path in tmp_path.glob("*.md") if path.name != "README.md")):
+        (tmp_path / entry).rename(folder / entry)
+    written = manual.write(folder / "manual.html")
+    text = written.read_text(encoding="utf-8")
+    assert 'href="#user-guide--there"' in text and "Last" in text and "Words" not in text and "gallery" not in text
+    assert not manual.is_outdated(written)
+    (folder / "researchers.md").write_text("# Changed\n", encoding="utf-8")
+    assert manual.is_outdated(written)
 
 
 def test_pictures_are_small():

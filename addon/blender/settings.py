@@ -7,7 +7,7 @@ from ..brdf.parameters import ESTIMATOR
 
 ROOT_PACKAGE = __package__.rsplit(".", 2)[0]  # "bl_ext.<repository>.plausible_brdf" inside Blender, else "addon"
 CACHE_LIMIT = 200  # MB
-MANUAL = Path(__file__).resolve().parents[2] / "README.md"
+MANUAL = Path(__file__).resolve().parents[2] / "docs" / "manual.html"
 BY_USER = ("samples", "light_spread")  # parameters of new materials
 DEFAULTS = {parameter.id: parameter for parameter in ESTIMATOR if parameter.id in BY_USER}
 

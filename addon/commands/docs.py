@@ -3,10 +3,11 @@ from pathlib import Path
 
 from .. import brdf
 from ..cli import CommandError, require
-from ..pages import links, write
+from ..pages import links, manual, write
 
-DESCRIPTION = ("Write the models' pages and their index from what the registry declares; with --pictures also their "
-               "pictures, rendered in Cycles, which takes a minute a model.")
+DESCRIPTION = ("Write the models' pages and their index from what the registry declares, and of all pages the manual "
+               "that ships in the extension; with --pictures also the models' pictures, rendered in Cycles, which "
+               "takes a minute a model.")
 ROOT = write.DOCS.parent
 
 
@@ -27,6 +28,9 @@ def run(arguments):
         return _check(arguments.output)
     for path in write.write(arguments.output):
         print(path)
+    if arguments.output == write.MODEL_PAGES:
+        require("markdown", "demo")
+        print(manual.write())
     if arguments.pictures:
         require("bpy", "render")
         require("matplotlib", "demo")
@@ -39,6 +43,8 @@ def run(arguments):
 
 def _check(folder):
     complaints = [f"{folder / name} is not what `plausible docs` writes" for name in write.outdated(folder)]
+    if manual.is_outdated():
+        complaints.append(f"{manual.MANUAL} is not of today's pages: run `plausible docs`")
     for page in (ROOT / "README.md", *sorted(write.DOCS.rglob("*.md"))):
         complaints += [f"{page.relative_to(ROOT)}: {target} leads nowhere" for target in links.broken(page)]
     print("\n".join(complaints) or "every page is today's, and every link leads to a file")
