@@ -11,11 +11,12 @@ ADDON = ROOT / "addon"
 # A room may import rooms of lower rank, and itself. Blender's part and the verifying one work side by side; a figure
 # may show what a demo renders.
 RANK = {"version": 0, "brdf": 0, "assets": 0, "baking": 1, "fitting": 1, "plots": 1, "compare": 2, "shading": 2,
-        "blender": 3, "pages": 3, "verify": 4, "packaging": 4, "demo": 4, "figures": 5, "cli": 5, "commands": 6}
+        "blender": 3, "pages": 3, "verify": 4, "packaging": 4, "demo": 4, "bench": 5, "figures": 5, "cli": 5,
+        "commands": 6}
 # `addon/__init__.py` forwards to the Blender part, when it is asked for what only that has.
 FACE = "addon"
 BPY_FREE = ["version", "brdf", "assets", "shading", "baking", "fitting", "plots", "compare", "verify", "packaging",
-            "pages", "figures", "cli", "commands"]
+            "pages", "bench", "figures", "cli", "commands"]
 
 
 def modules():

@@ -41,7 +41,7 @@ def compile_model(model, lut: str = source.COMPILED, parameters: dict | None = N
         raise OslError(reason)
     if model.baked:
         return cache.fetch(cache.key(model, parameters or {}, "shader"),
-                           lambda: _compile(model, source.assemble(model, lut, parameters)))
+                           lambda: compile_text(model, source.assemble(model, lut, parameters)))
     return _compiled_once(model, source.assemble(model, lut, parameters))
 
 
@@ -61,11 +61,12 @@ def check_model(model):
 def _compiled_once(model, text):
     key = hashlib.md5(text.encode()).hexdigest()
     if key not in _compiled:
-        _compiled[key] = _compile(model, text)
+        _compiled[key] = compile_text(model, text)
     return _compiled[key]
 
 
-def _compile(model, text):
+def compile_text(model, text: str) -> str:
+    """Bytecode of a shader's OSL source. Raises OslError where it does not compile."""
     import _cycles
 
     with tempfile.TemporaryDirectory(prefix="plausible_") as folder:

@@ -90,6 +90,7 @@ class Room:
         mesh = self._keep(data.meshes, data.meshes.new("Plausible Subject"))
         (_fill_plane if shape == PLANE else _fill_ball)(mesh)
         mesh.materials.append(material)
+        self._subject = mesh
         self._add_object("Plausible Subject", mesh)
         lens = self._keep(data.cameras, data.cameras.new("Plausible Camera"))
         lens.type = "ORTHO"
@@ -161,6 +162,33 @@ class Room:
     def aim(lamp, direction, distance: float = 10.0):
         """Move `lamp` to `distance` metres in the unit vector `direction` (3,), shining at the origin."""
         _place(lamp, direction, distance)
+
+    def floor(self, material):
+        """Put a floor of `material`, 8 metres across, under the ball."""
+        data = self._bpy.data
+        mesh = self._keep(data.meshes, data.meshes.new("Plausible Floor"))
+        mesh.from_pydata([(x, y, -1.0) for x, y in ((-4, -4), (4, -4), (4, 4), (-4, 4))], [], [(0, 1, 2, 3)])
+        mesh.materials.append(material)
+        self._add_object("Plausible Floor", mesh)
+
+    def bounces(self, count: int):
+        """Let light be reflected `count` times; once where this is not called."""
+        cycles = self.scene.cycles
+        cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = count
+
+    def divide(self, materials):
+        """Give the plane's strips, one beside the other across the picture, to `materials`, (1,) or more."""
+        mesh, count = self._subject, len(materials)
+        edges = np.linspace(-0.5, 0.5, count + 1)
+        mesh.clear_geometry()
+        mesh.materials.clear()
+        for material in materials:
+            mesh.materials.append(material)
+        mesh.from_pydata([(x, y, 0.0) for x in edges for y in (-0.5, 0.5)], [],
+                         [(2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1) for i in range(count)])
+        mesh.uv_layers.new(name="UVMap")
+        for i, face in enumerate(mesh.polygons):
+            face.material_index = i
 
     def render(self, samples: int, seed: int = 0) -> np.ndarray:
         """Render: radiance (resolution, resolution, 3), float64, row 0 at the bottom."""

@@ -91,6 +91,24 @@ def microfacet(distribution: str, alpha: float) -> Standard:
     return Standard(distribution, f'BSDF = microfacet("{distribution}", N, {alpha!r}, 0.0, 0);', formula)
 
 
+def native(distribution: str, roughness: float = 0.0, reflectance: float = 1.0):
+    """A new material of one of Cycles' own nodes: "DIFFUSE", or a Glossy of that `distribution`, as "GGX"."""
+    bpy = require_blender()
+    material = bpy.data.materials.new(f"Native {distribution.title()}")
+    if material.node_tree is None:
+        material.use_nodes = True
+    nodes = material.node_tree.nodes
+    nodes.clear()
+    node = nodes.new("ShaderNodeBsdfDiffuse" if distribution == "DIFFUSE" else "ShaderNodeBsdfAnisotropic")
+    node.inputs["Color"].default_value = (reflectance, reflectance, reflectance, 1.0)
+    node.inputs["Roughness"].default_value = roughness
+    if distribution != "DIFFUSE":
+        node.distribution = distribution
+    output = nodes.new("ShaderNodeOutputMaterial")
+    material.node_tree.links.new(node.outputs[0], output.inputs["Surface"])
+    return material
+
+
 def material_of_source(source: str, name: str):
     """A new material whose surface is the OSL `source`, which has one output `BSDF`. Raises RoomError on bad source.
 

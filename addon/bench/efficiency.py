@@ -8,16 +8,27 @@ import contextlib
 import math
 import time
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from . import room
-from .instruments import _ignore
+from ..verify import room, standards
 
-SKY, AREA, SUN = "hdri", "area", "sun"
-SCENES = (SKY, AREA, SUN)
+FURNACE, SKY, AREA, SUN, FULL = "furnace", "hdri", "area", "sun", "room"
+SCENES = (FURNACE, SKY, AREA, SUN, FULL)
 LAMP_DIRECTION = (0.36, 0.48, 0.8)
 LAMP_SIZE, LAMP_DISTANCE = 0.5, 3.5  # metres; the sphere's radius is 1
+FLOOR = 0.5  # reflectance of the room's floor
+BOUNCES = 4  # in the room
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A material to measure. `osl` is off for nodes that are rendered as everyone renders them, by Cycles' own SVM."""
+
+    title: str
+    material: object
+    osl: bool = True
 
 
 @dataclass(frozen=True)
@@ -44,8 +55,6 @@ class Efficiency:
 
 def hdri_of_blender() -> str:
     """An HDRI that comes with Blender. Raises RoomError where it is missing."""
-    from pathlib import Path
-
     bpy = room.require_blender()
     path = Path(bpy.utils.resource_path("LOCAL")) / "datafiles" / "studiolights" / "world" / "courtyard.exr"
     if not path.is_file():
@@ -53,51 +62,59 @@ def hdri_of_blender() -> str:
     return str(path)
 
 
-def measure(materials: dict, scene: str, seconds=1.0, seeds=5, resolution=64, hdri=None, progress=_ignore) -> list:
-    """Efficiencies of `materials` (title -> bpy material) on a sphere in one of SCENES, in the same order.
+def measure(candidates, scene: str, effort, resolution=64, hdri=None) -> list:
+    """Efficiencies of `candidates` (Candidate) on a sphere in one of SCENES, in the same order.
 
     The materials take turns, so that a machine that slows down slows all of them. The time is the processors', summed
     over threads, so that other programs count little; it is the median render's less that of a render of one sample, so
     that loading the scene and compiling the shader do not count. All take as many samples as the first of them renders
-    in `seconds`.
+    in the seconds of `effort`.
     """
     if scene not in SCENES:
         raise ValueError(f"no scene {scene!r}; there are {', '.join(SCENES)}")
-    if seeds < 2:
-        raise ValueError(f"seeds: {seeds} is too few to tell a variance")
+    if effort.repeats < 2:
+        raise ValueError(f"repeats: {effort.repeats} is too few to tell a variance")
     with contextlib.ExitStack() as stack:
-        places = [stack.enter_context(_lit(material, scene, resolution, hdri)) for material in materials.values()]
+        places = [stack.enter_context(_lit(candidate, scene, resolution, hdri)) for candidate in candidates]
         for place in places:
             place.render(1)  # compiled, and its geometry loaded
-        spp = _samples_for(places[0], seconds)
+        spp = _samples_for(places[0], effort.seconds)
         pictures, long, short = [[] for _ in places], [[] for _ in places], [[] for _ in places]
-        for seed in range(seeds):
+        for seed in range(effort.repeats):
             for i, place in enumerate(places):
                 place.render(1)  # Blender keeps one scene ready: the one whose turn it is
-                short[i].append(_timed(place, 1, seed)[0])
-                elapsed, picture = _timed(place, spp, seed)
+                short[i].append(timed(place, 1, seed)[0])
+                elapsed, picture = timed(place, spp, seed)
                 long[i].append(elapsed)
                 pictures[i].append(picture)
-                progress(seed * len(places) + i + 1, seeds * len(places))
-    covered = _covered(resolution)
-    return [Efficiency(title, _relative_variance(np.array(p)[:, covered]), max(np.median(a) - np.median(b), 1e-6), spp)
-            for title, p, a, b in zip(materials, pictures, long, short, strict=True)]
+    seen = np.ones((resolution, resolution), dtype=bool) if scene == FULL else _covered(resolution)
+    return [Efficiency(c.title, _relative_variance(np.array(p)[:, seen]), max(np.median(a) - np.median(b), 1e-6), spp)
+            for c, p, a, b in zip(candidates, pictures, long, short, strict=True)]
 
 
 @contextlib.contextmanager
-def _lit(material, scene, resolution, hdri):
-    with room.Room(material, room.BALL, resolution) as place:
-        if scene == SKY:
+def _lit(candidate, scene, resolution, hdri):
+    with room.Room(candidate.material, room.BALL, resolution) as place:
+        place.scene.cycles.shading_system = candidate.osl
+        if scene == FURNACE:
+            place.sky(1.0)
+        if scene in (SKY, FULL):
             place.sky(1.0, hdri or hdri_of_blender())
-        elif scene == AREA:
+        if scene in (AREA, FULL):
             place.shine("AREA", LAMP_DIRECTION, energy=100.0, size=LAMP_SIZE, distance=LAMP_DISTANCE)
-        else:
+        if scene == SUN:
             place.shine("SUN", LAMP_DIRECTION, energy=room.SUN_ENERGY, angle=0.0)
-        place.look_from((0.0, 0.0, 1.0), 2.0)
+        if scene == FULL:
+            place.floor(standards.native("DIFFUSE", reflectance=FLOOR))
+            place.bounces(BOUNCES)
+            place.look_from((0.0, -0.8, 0.6), 4.0)
+        else:
+            place.look_from((0.0, 0.0, 1.0), 2.0)
         yield place
 
 
-def _timed(place, samples, seed):
+def timed(place, samples, seed=0):
+    """(processor seconds, picture) of a render of a `room.Room`."""
     start = time.process_time()
     picture = place.render(samples, seed)
     return time.process_time() - start, picture
@@ -105,10 +122,10 @@ def _timed(place, samples, seed):
 
 def _samples_for(place, seconds):
     """How many samples take `seconds`, by doubling until the time can be told."""
-    empty = min(_timed(place, 1, seed)[0] for seed in range(2))
+    empty = min(timed(place, 1, seed)[0] for seed in range(2))
     samples = 16
     while True:
-        elapsed = _timed(place, samples, 0)[0] - empty
+        elapsed = timed(place, samples)[0] - empty
         if elapsed > 0.4 * seconds or samples >= 1 << 14:
             return max(int(samples * seconds / max(elapsed, 1e-3)), 4)
         samples *= 2

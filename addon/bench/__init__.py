@@ -1,0 +1,26 @@
+"""What rendering, baking and waiting cost: ratios that are measured side by side in one run.
+
+Each part is a module with `measure(effort, progress) -> report` (of what JSON holds), `lines(report)` to print and
+`draw(report)`, a Matplotlib figure. `effort` says how long to measure; times are the processors', and medians.
+"""
+from dataclasses import dataclass
+
+PARTS = {
+    "render": "noise and time of the models beside Cycles' own closures, in a furnace, under lamps, in a room",
+    "scaling": "time by samples per hit, resolution and number of materials",
+    "bake": "error of an albedo by time and memory, beside Monte Carlo with a Sobol sequence and a plain grid",
+    "startup": "compiling a shader, and the time to a first pixel",
+    "luts": "bytes of the albedo tables by their error",
+    "interface": "what the panel computes while a slider is dragged",
+}
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How long is measured: `seconds` a render, `repeats` of each."""
+
+    seconds: float
+    repeats: int
+
+
+QUICK, USUAL = Effort(0.15, 3), Effort(0.5, 5)

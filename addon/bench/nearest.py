@@ -1,0 +1,48 @@
+"""What a model is measured beside: the closure of Cycles that comes nearest, and its own base alone."""
+from ..shading import source
+from ..verify import standards, subject
+from .efficiency import Candidate
+
+# What draws the splats in the shader of each kind, and what leaves them out.
+_SPLATS = (("if (left <= 1e-4 || numbers[1] >= chance)", "if (1)"),
+           ("k < count && numbers[1] < chance", "0"),
+           ("if (left > 1e-5 && numbers[1] < chance)", "if (0)"))
+
+
+def natives(model, values) -> list:
+    """Candidates of Cycles' own: the closure in OSL, and a Glossy node in SVM, which is what everyone renders.
+
+    They have the model's exponent where Cycles has the lobe, and else are as wide at normal incidence. Cycles has no
+    node for phong_ramp: Beckmann's microfacets stand beside it.
+    """
+    exponent = model.stand_in(values)[1]
+    alpha = min((2.0 / (exponent + 2.0)) ** 0.5, 1.0)
+    if model.base_family == "phong":
+        closure, distribution = standards.phong(values["exponent"]), "BECKMANN"
+    elif model.base_family == "blinn":
+        closure, distribution = standards.ashikhmin_shirley(values["exponent"]), "ASHIKHMIN_SHIRLEY"
+    else:
+        closure, distribution = standards.microfacet("beckmann", alpha), "BECKMANN"
+    return [Candidate(f"{closure.id.replace('phong', 'phong_ramp')} (OSL)", closure.material()),
+            Candidate(f"{distribution.lower()} (SVM)", standards.native(distribution, alpha**0.5), osl=False)]
+
+
+def ours(model, assignments, samples) -> Candidate:
+    """A model with `assignments` (texts, see `subject.settings`) and a number of samples per hit."""
+    chosen = [a for a in assignments if not a.startswith("samples")] + [f"samples={samples}"]
+    return Candidate(f"{model.id}, {samples}", subject.of_model(model.id, chosen).material)
+
+
+def base_alone(model, assignments) -> Candidate:
+    """The base of a model without splats: less noise, and quicker, than any estimator with this base can be."""
+    made = subject.of_model(model.id, assignments)
+    text = source.assemble(model, parameters=made.parameters)
+    found = [(old, new) for old, new in _SPLATS if text.count(old) == 1]
+    if len(found) != 1:
+        raise RuntimeError(f"the shader of {model.id} has no place where splats are drawn")
+    from ..blender import groups, nodes, osl
+
+    node = nodes.find_node(made.material)
+    groups.own(node)  # other materials of the model use the same
+    osl.fill(groups.script_of(node), osl.compile_text(model, text.replace(*found[0])))
+    return Candidate(f"{model.id}, base alone", made.material)
