@@ -1,5 +1,6 @@
 """Jobs over several processes, in order."""
 import os
+import threading
 
 
 def mapped(function, jobs, workers=None):
@@ -13,9 +14,20 @@ def mapped(function, jobs, workers=None):
         return
     from concurrent.futures import ProcessPoolExecutor  # takes long to import, and is not needed inside Blender
 
-    with ProcessPoolExecutor(workers) as pool:
+    with ProcessPoolExecutor(workers, initializer=_end_with_parent) as pool:
         try:
             yield from pool.map(function, jobs, chunksize=4)
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
+
+
+def _end_with_parent():
+    """End this process when the one that made it is killed: it would wait for jobs for ever."""
+    from multiprocessing import connection, parent_process
+
+    def watch():
+        connection.wait([parent_process().sentinel])
+        os._exit(1)
+
+    threading.Thread(target=watch, name="Plausible BRDF parent", daemon=True).start()
