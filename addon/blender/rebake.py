@@ -45,7 +45,14 @@ class _Job:
         self.rested = False
 
     def look(self):
-        """Seconds until the next look; None when there is nothing left to do."""
+        """Seconds until the next look; None when there is nothing left to do, or it cannot be done: that is told."""
+        try:
+            return self._look()
+        except (RuntimeError, ValueError, OSError) as error:  # as where a file of the extension is gone
+            print(f"Plausible BRDF: {self.name}: {error}")
+            return self._end()
+
+    def _look(self):
         node = nodes.find_node(next((m for m in bpy.data.materials if m.name_full == self.name), None))
         if node is None or not nodes.is_stale(node):
             return self._end()

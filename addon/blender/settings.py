@@ -40,10 +40,11 @@ def lut_folder() -> str:
 def cache_limit() -> int:
     """Bytes that the cache may hold."""
     chosen = preferences()
-    return 1_000_000 * (chosen.cache_limit if chosen else CACHE_LIMIT)
+    # A file of preferences that was damaged may hold what its property does not allow.
+    return 1_000_000 * max(chosen.cache_limit if chosen else CACHE_LIMIT, 0)
 
 
 def for_new(model) -> dict:
     """Values for a new material of `model`, by parameter id, as far as it has these parameters."""
     chosen, known = preferences(), {parameter.id for parameter in model.parameters}
-    return {name: getattr(chosen, name) for name in BY_USER if chosen and name in known}
+    return {name: DEFAULTS[name].clamp(getattr(chosen, name)) for name in BY_USER if chosen and name in known}

@@ -1,4 +1,5 @@
 """The extension's zip: which files the manifest lets in, and an archive that is the same bytes for the same files."""
+import re
 import tomllib
 import zipfile
 from fnmatch import fnmatchcase
@@ -17,14 +18,20 @@ class PackageError(ValueError):
 
 
 def read_manifest(root: Path = ROOT) -> dict:
-    """The manifest of the source folder `root`. Raises PackageError when there is none or it is not TOML."""
+    """The manifest of the source folder `root`. Raises PackageError when there is none or it is not one."""
     path = Path(root) / MANIFEST
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        manifest = tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise PackageError(f"{path} is missing: {root} is not the extension's source folder") from None
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise PackageError(f"{path}: {error}") from None
+    for key in ("id", "version"):
+        if not re.fullmatch(r"[\w.-]+", str(manifest.get(key, ""))):
+            raise PackageError(f"{path}: {key} is {manifest.get(key)!r}; the zip is named by it")
+    if not isinstance(manifest.get("build", {}), dict):
+        raise PackageError(f"{path}: build is {manifest['build']!r}, where a table is expected")
+    return manifest
 
 
 def file_name(manifest: dict) -> str:

@@ -1,17 +1,19 @@
 """Assembles a model's shader: headers flattened, base lobes, tables and weights put in as arrays of numbers."""
 import json
 import re
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
 from ..baking import bells, weights
-from ..brdf import tables
+from ..brdf import images, tables
 from ..brdf.axes import SineAxis
 
 _OSL = Path(__file__).resolve().parents[2] / "osl"
 _INCLUDE = re.compile(r'^#include "([^"]+)"\n', re.MULTILINE)
 COMPILED, FILE = "compiled", "file"
+_written = {}  # name of a table -> (its nodes, what is written of them): writing takes long
 
 
 def shader_path(model) -> Path:
@@ -56,12 +58,29 @@ def _flattened(path: Path, seen: set) -> str:
         seen.add(included)
         return _flattened(included, seen)
 
-    return _INCLUDE.sub(inserted, path.read_text(encoding="utf-8"))
+    return _INCLUDE.sub(inserted, _read(path))
+
+
+def _read(path: Path) -> str:
+    """A file that the extension came with. Raises OSError that tells the cure where it is not there or no text."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is no text"
+        raise OSError(f"{path}: {reason}; this file belongs to the extension: install it again") from None
+
+
+def _read_json(path: Path):
+    """A table of numbers that the extension came with. Raises OSError as `_read`."""
+    try:
+        return json.loads(_read(path))
+    except ValueError as error:
+        raise OSError(f"{path}: damaged ({error}); this file belongs to the extension: install it again") from None
 
 
 def _definitions(model, lut) -> str:
     """Macros that carry the numbers: DATA_PARAMETERS (array parameters with their values), axes and table names."""
-    lines, parameters = _base(model.base_family) if model.base_family else _bells()
+    lines, parameters = map(list, _base(model.base_family) if model.base_family else _bells())
     used = [_in_use(name, lut) for name in model.tables]
     by_mode = {table.control: table for table in used if isinstance(table, tables.Table)}
     for table in used:
@@ -136,7 +155,13 @@ def _matches(parameter, value):
 
 def _bells():
     """Macros and array parameter of the bells that make up a lump, see addon/baking/bells.py."""
-    stored = json.loads((_OSL.parent / "luts" / bells.FILE).read_text(encoding="utf-8"))
+    path = _OSL.parent / "luts" / bells.FILE
+    return _bells_of(path, images.stamp(path))
+
+
+@lru_cache(maxsize=1)
+def _bells_of(path, _):
+    stored = _read_json(path)
     few, steep = np.array(stored["table"]), np.array(stored["steep"])
     numbers = {"BELLS_PER_UNIT": bells.NODES, "BELL_KNOTS": bells.KNOTS, "STEEP_FROM": bells.STEEP_FROM,
                "STEEP_ROWS": few.size, "STEEP_ROW": steep.shape[1], "STEEP_KNOTS": steep.shape[1] - bells.KNOTS - 1}
@@ -146,7 +171,13 @@ def _bells():
 
 def _base(family):
     """Macros and array parameters of the base lobes of a family, see addon/baking/base.py."""
-    base = json.loads((_OSL.parent / "luts" / "base_lobes.json").read_text(encoding="utf-8"))
+    path = _OSL.parent / "luts" / "base_lobes.json"
+    return _base_of(family, path, images.stamp(path))
+
+
+@lru_cache(maxsize=4)
+def _base_of(family, path, _):
+    base = _read_json(path)
     own = base["families"][family]
     ramps = [(r["lean"], r["sharp"], side, r["crease"], i) for i, r in enumerate(own["ramps"])
              for side in ((-r["side"], r["side"]) if r["side"] else (0.0,))]
@@ -166,8 +197,11 @@ def _table_parameter(table, mode, lut):
         return f'string table_{mode} = ""' if lut == FILE else f"float table_{mode}[2] = {{0.0, 0.0}}"
     if lut == FILE:
         return f'string table_{mode} = "{table.path.as_posix()}"'
-    # Six digits keep a node within 5e-6, a quarter of what tables promise.
-    return _array(f"table_{mode}", tables.load(table).ravel())
+    nodes = tables.load(table)
+    if table.name not in _written or _written[table.name][0] is not nodes:
+        # Six digits keep a node within 5e-6, a quarter of what tables promise.
+        _written[table.name] = nodes, _array(f"table_{mode}", nodes.ravel())
+    return _written[table.name][1]
 
 
 def _axes(table, mode, lut):
