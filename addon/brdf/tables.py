@@ -215,8 +215,13 @@ def _file(name):
     return _loaded[name]
 
 
-def _checked(declared):
-    path = declared.path
+def check_file(name: str, path):
+    """Raise TableError, as `load` does, where the file `path` cannot serve as the table `name`."""
+    _checked(TABLES[name], Path(path))
+
+
+def _checked(declared, path=None):
+    path = path or declared.path
     try:
         image, metadata = exr.read(path)
     except FileNotFoundError:
@@ -225,7 +230,7 @@ def _checked(declared):
         raise TableError(f"{path}: albedo table cannot be read ({error.strerror}); {_CURE}") from None
     except exr.ExrError as error:
         raise TableError(f"{error}; {_CURE}") from None
-    table = _as_told(declared, metadata)
+    table = _as_told(declared, metadata, path)
     shape = (table.height + 2, table.columns.columns, 4)
     if image.shape != shape:
         raise TableError(f"{path}: albedo table is {image.shape}, expected {shape}: stale or resized; {_CURE}")
@@ -237,14 +242,14 @@ def _checked(declared):
     return table, nodes, metadata
 
 
-def _as_told(declared, metadata):
+def _as_told(declared, metadata, path):
     """A table with the axes that its file's metadata tell; as declared where they tell none."""
     if AXES not in metadata:
         return declared
     try:
         return declared.with_axes(**json.loads(metadata[AXES]))
     except (TypeError, ValueError) as error:
-        raise TableError(f"{declared.path}: albedo table tells impossible axes ({error}); {_CURE}") from None
+        raise TableError(f"{path}: albedo table tells impossible axes ({error}); {_CURE}") from None
 
 
 def covers(span, exponent: float) -> bool:

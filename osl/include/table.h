@@ -100,7 +100,15 @@ void texel(string file, float s, float t, output float a[4])
     a[3] = alpha;
 }
 
+float row_place(Row r, float row)
+{
+    float t = (row + 0.5) / (r.axes.height + 2);
+    return r.flipped ? 1.0 - t : t;
+}
+
 // The marker row at the top tells a valid table from a missing, stale or foreign image, and which way up it is read.
+// Halfway to the first row there must be half of both, or the image has other rows than it should; and what the hit is
+// to read must be albedos.
 void table_check(string file, output Row r)
 {
     float height = r.axes.height + 2;
@@ -108,13 +116,20 @@ void table_check(string file, output Row r)
     texel(file, 0.5, 0.5 / height, marker);
     r.valid = r.valid && abs(marker[0] + 1.0) < 1e-3 && abs(marker[1] - r.axes.stamp) < 5e-6 && abs(marker[3] - 1.0) < 1e-3;
     r.flipped = marker[2] > 0.5;
+    float first[4];
+    float between[4];
+    float used[4];
+    texel(file, 0.5, row_place(r, 1.0), first);
+    texel(file, 0.5, row_place(r, 0.5), between);
+    texel(file, 0.5, row_place(r, r.row + r.blend + 1.0), used);
+    r.valid = r.valid && abs(between[0] - 0.5 * (first[0] - 1.0)) < 2e-3;
+    for (int c = 0; c < 4; c += 1)
+        r.valid = r.valid && !isnan(used[c]) && used[c] > 0.0 && used[c] < 2.0;
 }
 
 void table_read(string file, Row r, float mu, int channels, output float a[4])
 {
-    float height = r.axes.height + 2;
-    float t = (r.row + r.blend + 1.5) / height;
-    texel(file, (column_position(r, mu) + 0.5) / r.axes.columns, r.flipped ? 1.0 - t : t, a);
+    texel(file, (column_position(r, mu) + 0.5) / r.axes.columns, row_place(r, r.row + r.blend + 1.0), a);
 }
 
 #else
