@@ -84,7 +84,7 @@ def test_convert_keeps_the_width_of_the_lobe(bpy, no_weights, capsys):
     pumps = tree.nodes.new("ShaderNodeValue")
     node = materials.find_node(material)
     for source, name in ((colour, "base_color"), (normal, "shading_normal"), (pumps, "pumps")):
-        tree.links.new(source.outputs[0], materials.socket_of(node, brdf.MODELS["pumped_phong"].parameter(name)))
+        tree.links.new(source.outputs[0], nodes.socket_of(node, brdf.MODELS["pumped_phong"].parameter(name)))
     node, words = converted(bpy, material, "disk_scaling", capsys)
     model = materials.model_of(node)
     assert model.id == "disk_scaling" == material.plausible_brdf.model
@@ -95,8 +95,8 @@ def test_convert_keeps_the_width_of_the_lobe(bpy, no_weights, capsys):
     assert lump == pytest.approx(0.5, rel=1e-4)
     assert values["f90"] == values["base_color"] == (0.5, 0.25, 0.125)
     assert nodes.get_value(node, model.parameter("samples")) == 7
-    linked = {p.id: materials.socket_of(node, p).links[0].from_node.name for p in model.parameters
-              if materials.socket_of(node, p).is_linked}
+    linked = {p.id: nodes.socket_of(node, p).links[0].from_node.name for p in model.parameters
+              if nodes.socket_of(node, p).is_linked}
     assert linked == {"base_color": colour.name, "shading_normal": normal.name}
     assert "half-angle 4.76°" in words and "has no Pumps, Controlled" in words and "Links are lost of Pumps" in words
     assert match.half_angles(model, match.complete(model, values))[0] == pytest.approx(beta, rel=1e-5)
@@ -119,7 +119,7 @@ def test_convert_bakes_once_and_holds_at_the_end_of_a_range(bpy, monkeypatch, no
 
 
 def test_the_error_of_baked_weights_is_shown_while_they_hold(bpy, no_weights):
-    from addon.blender import materials
+    from addon.blender import materials, nodes
 
     def words(material):
         return texts(drawn(context_for(bpy, material)))
@@ -127,7 +127,7 @@ def test_the_error_of_baked_weights_is_shown_while_they_hold(bpy, no_weights):
     material = make("ward")
     assert "within 1.2 %, their light within 0.1 %" in words(material)
     assert "Baked:" not in words(make("phong"))
-    materials.socket_of(materials.find_node(material), brdf.MODELS["ward"].parameter("roughness_u")).default_value = 0.4
+    nodes.socket_of(materials.find_node(material), brdf.MODELS["ward"].parameter("roughness_u")).default_value = 0.4
     assert "The weights are for other values" in words(material) and "Baked:" not in words(material)
 
 
@@ -163,14 +163,14 @@ def test_a_lump_that_is_shrunk_is_told(bpy):
 
 
 def test_linked_socket_shows_its_source_and_no_slider(bpy):
-    from addon.blender import materials
+    from addon.blender import materials, nodes
 
     material = make("pumped_phong")
     node = materials.find_node(material)
     source = material.node_tree.nodes.new("ShaderNodeTexNoise")
     source.label = "Scratches"
     for name in ("pumps", "shading_normal", "use_roughness"):
-        target = materials.socket_of(node, brdf.MODELS["pumped_phong"].parameter(name))
+        target = nodes.socket_of(node, brdf.MODELS["pumped_phong"].parameter(name))
         material.node_tree.links.new(source.outputs[0], target)
     log = drawn(context_for(bpy, material))
     assert not {"pumps", "shading_normal", "use_roughness"} & set(properties(log))

@@ -20,14 +20,15 @@ def _modules():
         preferences,
         properties,
         rebake,
+        renew,
         switches,
         upgrade,
         watch,
         words,
     )
 
-    return (words, icons, properties, operators, switches, add_menu, bakes, panels, energy, furnace_test, preferences,
-            cache, luts, rebake, upgrade, watch, asset_library)
+    return (words, icons, properties, operators, switches, renew, add_menu, bakes, panels, energy, furnace_test,
+            preferences, cache, luts, rebake, upgrade, watch, asset_library)
 
 
 def register():

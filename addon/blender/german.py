@@ -30,6 +30,7 @@ GERMAN = {
     "Get Blender": "Blender herunterladen",
     "Native Approximation": "Native Näherung",
     "New Plausible Material": "Neues Plausible-Material",
+    "Renew Node": "Node erneuern",
     "Render on CPU": "Auf der CPU rendern",
     "Render the Model": "Das Modell rendern",
     "Render with Cycles": "Mit Cycles rendern",
@@ -154,6 +155,11 @@ GERMAN = {
         "Der Ofen stimmt mit der Formel überein: höchstens {most:.4f} daneben, bei {view:g}°",
     "The furnace differs from the formula: at most {most:.4f} off, at {view:g}°":
         "Der Ofen weicht von der Formel ab: höchstens {most:.4f} daneben, bei {view:g}°",
+    "The node is of a model that this version of the extension does not know: {name}":
+        "Der Node ist von einem Modell, das diese Version der Erweiterung nicht kennt: {name}",
+    "The node was edited and its shader is gone or damaged":
+        "Der Node wurde bearbeitet, und sein Shader fehlt oder ist beschädigt",
+    "The node was edited and lacks {names}": "Der Node wurde bearbeitet, und ihm fehlt {names}",
     "The weights are for other values": "Die Gewichte gelten für andere Werte",
     "This model is baked for one value of each parameter and cannot follow what animates {names}: it renders striped":
         "Dieses Modell ist für einen Wert jedes Parameters gebacken und kann dem nicht folgen, was {names} animiert: "
@@ -166,6 +172,8 @@ GERMAN = {
         "Zu verrauscht für ein Urteil: höchstens {most:.4f} daneben, bei {view:g}°",
     "Upgraded to {version}: {names}. The file on disk is as it was until you save":
         "Auf {version} hochgestuft: {names}. Die Datei auf der Platte ist, wie sie war, bis Sie speichern",
+    "{node} was edited and lacks {names}: Renew Node in the panel makes it whole":
+        "{node} wurde bearbeitet, und ihm fehlt {names}: Node erneuern im Panel macht ihn wieder ganz",
     "{parameter} is driven by {node}: plotted for the value of its socket":
         "{parameter} wird von {node} bestimmt: gezeichnet für den Wert des Sockels",
 }

@@ -3,8 +3,8 @@
 Inside are the Script node that renders in Cycles, with its bytecode, and a stand-in for other engines. Models that read
 tables share one group among all their nodes; what is baked for its values has a group of its own.
 """
-import hashlib
 import math
+from pathlib import Path
 
 import bpy
 
@@ -16,10 +16,14 @@ from . import osl, stand_in
 
 MODEL_KEY, LUT_KEY, VERSION_KEY = "plausible_model", "plausible_lut", "plausible_version"  # of a group
 SPANS_KEY = "plausible_spans"  # of a group: the exponents that the tables compiled into it are baked for
+MOVED_KEY = "plausible_moved"  # of a node: where its shader went before the native approximation took its place
 BSDF, STAND_IN = "BSDF", "Stand-in"  # outputs
 _KINDS = {"float": "NodeSocketFloat", "int": "NodeSocketInt", "enum": "NodeSocketInt", "bool": "NodeSocketBool",
           "color": "NodeSocketColor", "vector": "NodeSocketVector"}
 _SUBTYPES = {"rad": "ANGLE", "m": "DISTANCE"}
+# Types of sockets that can hold a parameter's value: whoever edits a group may give a socket another.
+_TYPES = {"float": {"VALUE"}, "int": {"INT"}, "enum": {"INT"}, "bool": {"BOOLEAN", "INT"}, "color": {"RGBA", "VECTOR"},
+          "vector": {"VECTOR"}, "image": {"STRING"}}
 # Sockets of these sections stand by themselves, in this order; the others fold into panels below, some closed.
 _OPEN, _PANELS = (LOBE, GEOMETRY), {RETROREFLECTION: True, COLOR: False, SAMPLING: True}
 
@@ -44,14 +48,28 @@ def add_compiled(tree, model, bytecode: str, lut: str = source.COMPILED):
 def model_of(node):
     """The model that a node is of, or None when it is not ours or of an unknown model."""
     tree = getattr(node, "node_tree", None)
-    if tree is None or _script_in(tree) is None:
-        return None
-    return brdf.MODELS.get(tree.get(MODEL_KEY))
+    return None if tree is None or _script_in(tree) is None else named_model(tree)
+
+
+def named_model(thing):
+    """The model that a group, or a Script node of a version before groups, says it is of; None where it names none."""
+    return brdf.MODELS.get(text_of(thing, MODEL_KEY))
+
+
+def text_of(thing, key: str) -> str:
+    """A custom property as text, "" where there is none: users may write there what they like."""
+    value = thing.get(key)
+    return value if isinstance(value, str) else ""
 
 
 def script_of(node):
     """The Script node inside a node of ours."""
     return _script_in(node.node_tree)
+
+
+def has_bytecode(node) -> bool:
+    """Whether a node of ours has a shader that Cycles can read, as far as its beginning tells."""
+    return script_of(node).mode == "INTERNAL" and script_of(node).bytecode.startswith("OpenShadingLanguage")
 
 
 def _script_in(tree):
@@ -61,27 +79,73 @@ def _script_in(tree):
 def sockets(node) -> dict:
     """{parameter id: socket that holds its value} of a node of ours.
 
-    A text has its socket on the Script node, as groups have none of that kind before Blender 5.
+    A text has its socket on the Script node, as groups have none of that kind before Blender 5. In a group that was
+    edited a parameter may have no socket, or one that cannot hold its value, which counts for none.
     """
     outside = {socket.identifier: socket for socket in node.inputs}
     found = {inside.identifier: _holder(inside, outside) for inside in script_of(node).inputs}
-    return {name: holder for name, holder in found.items() if holder is not None}
+    return fitting(model_of(node), found)
 
 
-def socket(node, name: str):
-    """The one of `sockets` for a parameter, by id, or None: panels ask for each at every redraw."""
-    inside = next((s for s in script_of(node).inputs if s.identifier == name), None)
-    return None if inside is None else _holder(inside, {s.identifier: s for s in node.inputs})
+def fitting(model, found: dict) -> dict:
+    """Those of the sockets `found`, by parameter id, that can hold their parameters' values."""
+    declared = {p.id: p for p in model.parameters}
+    return {name: socket for name, socket in found.items() if socket is not None and _fits(socket, declared.get(name))}
+
+
+def _fits(socket, parameter):
+    """Whether a socket can hold a parameter's value; the path of a table is no parameter."""
+    return socket.type in (_TYPES[parameter.kind] if parameter else {"STRING"})
+
+
+def socket(node, parameter):
+    """The one of `sockets` for a parameter, or None: panels ask for each at every redraw."""
+    inside = next((s for s in script_of(node).inputs if s.identifier == parameter.id), None)
+    found = None if inside is None else _holder(inside, {s.identifier: s for s in node.inputs})
+    return found if found is not None and _fits(found, parameter) else None
 
 
 def _holder(inside, outside):
     """The socket that feeds one of the Script node's, of those `outside`, by identifier; itself where none does."""
-    return outside.get(inside.links[0].from_socket.identifier) if inside.is_linked else inside
+    return outside.get(_entry_of(inside)) if inside.is_linked else inside
 
 
-def lut_of(node) -> str:
-    """How a node reads its tables, see `source.assemble`."""
-    return node.node_tree.get(LUT_KEY, source.COMPILED)
+def _entry_of(inside):
+    """The identifier of the group's socket that feeds one inside; None where something else does."""
+    link = inside.links[0] if inside.is_linked else None
+    return link.from_socket.identifier if link and link.from_node.bl_idname == "NodeGroupInput" else None
+
+
+def lut_of(thing) -> str:
+    """How a group, or a Script node before groups, reads its tables, see `source.assemble`."""
+    return source.FILE if text_of(thing, LUT_KEY) == source.FILE else source.COMPILED
+
+
+def table_files(node) -> dict:
+    """{table: path} of the files that a node's shader reads its tables from; {} of one that has them compiled in."""
+    modes = {f"table_{source.mode_of(source.tables.TABLES[name])}": name for name in model_of(node).tables}
+    return {modes[s.identifier]: Path(bpy.path.abspath(s.default_value)) for s in script_of(node).inputs
+            if s.identifier in modes and s.type == "STRING"}
+
+
+def spans_of(node) -> dict:
+    """{table: (least, largest) exponent} that the tables compiled into a node are baked for, as far as it is known."""
+    known = node.node_tree.get(SPANS_KEY)
+    pairs = {name: pair_of(span) for name, span in known.items()} if hasattr(known, "items") else {}
+    return {name: pair for name, pair in pairs.items() if pair is not None}
+
+
+def pair_of(value):
+    """Two numbers out of a custom property; None where it holds something else."""
+    numbers = tuple(value) if hasattr(value, "__len__") else ()
+    return numbers if len(numbers) == 2 and all(isinstance(n, int | float) for n in numbers) else None
+
+
+def lacking(tree) -> list:
+    """Labels of a group's outputs that are gone or fed by nothing."""
+    fed = {socket.name for node in tree.nodes if node.bl_idname == "NodeGroupOutput" for socket in node.inputs
+           if socket.is_linked and socket.type == "SHADER"}
+    return [name for name in (BSDF, STAND_IN) if name not in fed]
 
 
 def load(node, parameters: dict | None = None):
@@ -90,7 +154,7 @@ def load(node, parameters: dict | None = None):
     A group that other nodes use, too, is left to them, and the node gets a copy. Raises as `osl.compile_model`.
     """
     model = model_of(node)
-    bytecode = osl.compile_model(model, lut_of(node), parameters)
+    bytecode = osl.compile_model(model, lut_of(node.node_tree), parameters)
     if script_of(node).bytecode != bytecode:
         if model.baked:
             own(node)
@@ -107,20 +171,32 @@ def own(node):
 
 
 def _shared(model, bytecode, lut):
-    """A group of this file that holds the bytecode already, and has all its sockets: users may edit what they have.
+    """A group of this file that holds the bytecode already, and is as it was made: users may edit what they have.
 
     What is baked and what names files is not shared.
     """
     if model.baked or lut == source.FILE:
         return None
-    digest = hashlib.md5(bytecode.encode()).hexdigest()
-    labels = {p.label for p in model.parameters if p.kind in _KINDS}
     for tree in bpy.data.node_groups:
-        if tree.get(MODEL_KEY) == model.id and tree.get(VERSION_KEY) == VERSION and tree.library is None:
-            script, held = _script_in(tree), {item.name for item in tree.interface.items_tree}
-            if script is not None and script.bytecode_hash == digest and labels <= held:
+        if named_model(tree) == model and text_of(tree, VERSION_KEY) == VERSION and tree.library is None:
+            script = _script_in(tree)
+            if script is not None and script.bytecode == bytecode and _is_untouched(tree, script, model):
                 return tree
     return None
+
+
+def _is_untouched(tree, script, model):
+    """Whether each of the group's sockets is there, of its type, and feeds its parameter, and its outputs are fed."""
+    entries = {item.identifier: item.socket_type for item in tree.interface.items_tree if item.item_type == "SOCKET"}
+    feeds = {inside.identifier: entries.get(_entry_of(inside)) for inside in script.inputs}
+    right = all(feeds.get(p.id) == _kind(p) for p in model.parameters if p.kind in _KINDS)
+    return right and not lacking(tree)
+
+
+def _kind(parameter):
+    """The type of a parameter's socket. Only reflectances are colours to look at; an index is three numbers."""
+    triple = parameter.kind == "color" and parameter.maximum > 1.0
+    return "NodeSocketVector" if triple else _KINDS[parameter.kind]
 
 
 def _new_group(model, bytecode, lut):
@@ -165,9 +241,7 @@ def _declare(interface, model) -> dict:
 
 def _new_socket(interface, parameter, panel):
     """Make the socket of a parameter; returns its identifier."""
-    # Only reflectances are colours to look at; a refractive index is three numbers with a range.
-    triple = parameter.kind == "color" and parameter.maximum > 1.0
-    kind = "NodeSocketVector" if triple else _KINDS[parameter.kind]
+    kind = _kind(parameter)
     socket = interface.new_socket(parameter.label, in_out="INPUT", socket_type=kind, parent=panel)
     socket.description = parameter.help + "".join(f"; {i}: {item[1]}" for i, item in enumerate(parameter.items))
     if kind == "NodeSocketFloat":

@@ -99,21 +99,26 @@ def problem(names):
     Panels ask this at every redraw, so an answer is kept until a file changes.
     """
     for name in names:
-        table = tables.TABLES[name]
-        try:
-            state = table.path.stat()
-            key = (table.path, state.st_mtime_ns, state.st_size)
-        except OSError:
-            key = (table.path, None, None)
-        if key not in _problems:
-            try:
-                tables.in_use(name)
-                _problems[key] = None
-            except tables.TableError as error:
-                _problems[key] = str(error)
-        if _problems[key]:
-            return _problems[key]
+        found = problem_of(name, tables.TABLES[name].path, lambda name=name: tables.in_use(name))
+        if found:
+            return found
     return None
+
+
+def problem_of(name, path, check=None):
+    """What is wrong with the file `path` as the table `name`, in words; None when it can be read."""
+    try:
+        state = path.stat()
+        key = (name, path, state.st_mtime_ns, state.st_size)
+    except OSError:
+        key = (name, path, None, None)
+    if key not in _problems:
+        try:
+            check() if check else tables.check_file(name, path)
+            _problems[key] = None
+        except tables.TableError as error:
+            _problems[key] = str(error)
+    return _problems[key]
 
 
 class BakeJob:

@@ -7,7 +7,7 @@ from ..fitting import match
 from ..shading import source
 from . import groups, osl, rebake, stand_in
 from .groups import model_of
-from .nodes import bake_weights, find_node, is_stale, note_values, read, socket_of, values, write
+from .nodes import bake_weights, find_node, is_linked, is_stale, note_values, read, require, values, write
 from .replace import replace_node
 
 CYCLES_OUTPUT, STAND_IN_OUTPUT = "Cycles Output", "EEVEE Output"
@@ -63,8 +63,10 @@ def set_values(node, new: dict):
     """Write sockets, {parameter: value}, and bring viewport and weights up to date.
 
     Weights are baked at once in background mode; in a window when values have rested for a moment, as dragging a slider
-    writes many. Raises ValueError for a value out of range.
+    writes many. Raises ValueError for a value out of range or a socket that is gone, before anything is written.
     """
+    new = {parameter: parameter.check(value) for parameter, value in new.items()}
+    require(node, new)
     for parameter, value in new.items():
         write(node, parameter, value)
     material = next((m for m in bpy.data.materials if m.node_tree == node.id_data), None)
@@ -104,7 +106,7 @@ def change_model(material, model_id: str, given: dict | None = None):
     before = groups.sockets(old)
     kept = {p.id: p.clamp(read(before[p.id], p)) for p in model.parameters if p.id in before and p.evaluated}
     # What is baked is baked once, for the values that the node is going to have.
-    new = groups.add_node(material.node_tree, model, groups.lut_of(old), kept if given is None else given)
+    new = groups.add_node(material.node_tree, model, groups.lut_of(old.node_tree), kept if given is None else given)
     replace_node(old, before, new)
     for key, value in (given or {}).items():
         write(new, model.parameter(key), value)
@@ -127,7 +129,7 @@ def convert(material, model_id: str):
 def unplugged(material, model_id: str) -> list:
     """Labels of the parameters with links that another model has no socket for."""
     node, there = _node_of(material), {p.id for p in brdf.MODELS[model_id].parameters}
-    return [p.label for p in model_of(node).parameters if socket_of(node, p).is_linked and p.id not in there]
+    return [p.label for p in model_of(node).parameters if is_linked(node, p) and p.id not in there]
 
 
 def _node_of(material):

@@ -7,6 +7,7 @@ from ..baking import weights_error
 from . import cache, groups, osl, stand_in
 from .groups import model_of
 from .replace import curves
+from .words import say
 
 BAKED_KEY = "plausible_baked"  # of a group: the values that the weights of a baked model were made for
 ERROR_KEY = "plausible_baked_error"  # of these weights: largest errors of the lobe and of the albedo up to 80 degrees
@@ -28,12 +29,19 @@ def find_node(material):
 
 def socket_of(node, parameter):
     """The socket of a parameter, or None where the node lacks it."""
-    return groups.socket(node, parameter.id)
+    return groups.socket(node, parameter)
+
+
+def is_linked(node, parameter) -> bool:
+    """Whether something is plugged into the socket of a parameter."""
+    socket = socket_of(node, parameter)
+    return socket is not None and socket.is_linked
 
 
 def get_value(node, parameter):
-    """Value of a parameter as its socket holds it: see `read`."""
-    return read(socket_of(node, parameter), parameter)
+    """Value of a parameter as its socket holds it, see `read`; its default where the node lacks the socket."""
+    socket = socket_of(node, parameter)
+    return parameter.default if socket is None else read(socket, parameter)
 
 
 def read(socket, parameter):
@@ -43,12 +51,35 @@ def read(socket, parameter):
 
 
 def write(node, parameter, value):
-    """Write a parameter's socket and nothing else. Raises ValueError for a value out of range."""
+    """Write a parameter's socket and nothing else.
+
+    Raises ValueError for a value out of range, and where the node was edited and lacks the socket.
+    """
     value = parameter.check(value)
-    if parameter.kind == "image":  # its socket is inside the group
+    require(node, [parameter])
+    if socket_of(node, parameter).node != node:  # inside the group, as a text's, which other nodes may share
         groups.own(node)
     socket = socket_of(node, parameter)
     socket.default_value = osl.stored(socket, value)
+
+
+def require(node, parameters):
+    """Raise ValueError, which tells the cure, where a node that was edited lacks a socket of `parameters`."""
+    lost = [say(p.label) for p in parameters if socket_of(node, p) is None]
+    if lost:
+        raise ValueError(_lacks(node, lost))
+
+
+def output_of(node, name: str):
+    """An output of a node. Raises ValueError as `require`."""
+    if name not in node.outputs:
+        raise ValueError(_lacks(node, [name]))
+    return node.outputs[name]
+
+
+def _lacks(node, names):
+    return say("{node} was edited and lacks {names}: Renew Node in the panel makes it whole", node=node.name,
+               names=", ".join(names))
 
 
 def values(node) -> dict:
@@ -68,15 +99,23 @@ def is_stale(node) -> bool:
     """
     if not model_of(node).baked:
         return False
-    *then, files = json.loads(node.node_tree.get(BAKED_KEY, "[null, {}]"))
-    *now, files_now = json.loads(_values_text(node))
+    then, files = _baked_for(node.node_tree)
+    now, files_now = json.loads(_values_text(node))
     return then != now or any(files.get(name, stamp) != stamp for name, stamp in files_now.items() if stamp)
+
+
+def _baked_for(tree):
+    """(values, {parameter: stamp of its file}) that a group's weights are for; (None, {}) where it is not known."""
+    try:
+        values, files = json.loads(groups.text_of(tree, BAKED_KEY))
+    except (TypeError, ValueError):  # nothing is written there, or by hand
+        return None, {}
+    return (values, files) if isinstance(files, dict) else (None, {})
 
 
 def baked_error(node):
     """Largest errors (of the lobe, of the albedo) of a node's weights up to 80 degrees; None where none are known."""
-    tree = node.node_tree
-    return tuple(tree[ERROR_KEY]) if ERROR_KEY in tree else None
+    return groups.pair_of(node.node_tree.get(ERROR_KEY))
 
 
 def driven(node) -> list:

@@ -6,7 +6,7 @@ import bpy
 from ..brdf.disk_model import DiskModel
 from ..brdf.parameters import COLOR, LOBE, RETROREFLECTION
 from . import bakes, icons, luts, rebake, status, switches
-from .nodes import animated, baked_error, driven, is_stale, socket_of, values
+from .nodes import animated, baked_error, driven, is_linked, is_stale, socket_of, values
 from .operators import material_of, plausible_node
 from .properties import NAMES
 from .words import look_up, say
@@ -190,7 +190,7 @@ def _at_this_angle(parameter, material, model):
     if parameter.id not in _AT_GRAZING:
         return True
     node = plausible_node(material)[0]
-    return socket_of(node, model.parameter("vary_exponents")).is_linked or material.plausible_brdf.vary_exponents
+    return is_linked(node, model.parameter("vary_exponents")) or material.plausible_brdf.vary_exponents
 
 
 def _has(context, section):
@@ -214,7 +214,7 @@ class _Retro(Face):
 
 def _unused_width(material, node, by_id):
     """The one of exponent and roughness that the lobe does not read; None when a link may decide either way."""
-    if "use_roughness" not in by_id or socket_of(node, by_id["use_roughness"]).is_linked:
+    if "use_roughness" not in by_id or is_linked(node, by_id["use_roughness"]):
         return None
     return "exponent" if material.plausible_brdf.use_roughness else "roughness"
 
@@ -242,7 +242,7 @@ class _Color(Face):
 
 def _is_read(name, by_id, material, node):
     """Whether the choice of Fresnel reads the parameter `name`; a linked choice may read any."""
-    if name not in _ONLY_WITH or "fresnel_type" not in by_id or socket_of(node, by_id["fresnel_type"]).is_linked:
+    if name not in _ONLY_WITH or "fresnel_type" not in by_id or is_linked(node, by_id["fresnel_type"]):
         return True
     return material.plausible_brdf.fresnel_type in _ONLY_WITH[name]
 

@@ -28,6 +28,8 @@ def replace_node(old, before: dict, new):
     places = {_index(old, socket): _index(new, after[name]) if name in after else None
               for name, socket in before.items() if socket.node == old}
     labels = {_index(old, socket): socket.name for socket in before.values() if socket.node == old}
+    if groups.MOVED_KEY in old:
+        new[groups.MOVED_KEY] = old[groups.MOVED_KEY]
     new.location, new.width, new.parent, new.mute = old.location, old.width, old.parent, old.mute
     name = old.name
     # With a node Blender removes the keyframes under its name: they are taken to the new one before.

@@ -15,6 +15,7 @@ from ..fitting import principled
 from ..fitting.principled_bsdf import Inputs
 
 NAME = "Stand-in"
+_PRINCIPLED = "ShaderNodeBsdfPrincipled"
 
 
 def build(tree, model, given: dict):
@@ -41,7 +42,7 @@ def write(node, model: Model, values: dict):
     """
     inside = node.node_tree.nodes.get(NAME)
     (_, fitted), = parts(model, values)
-    if inside is not None:
+    if inside is not None and inside.bl_idname == _PRINCIPLED:  # not one that a user made
         for name, value in {"Base Color": (*fitted.base_color, 1.0), "Metallic": fitted.metallic,
                             "Roughness": fitted.roughness, "IOR": fitted.ior, "Specular IOR Level": fitted.specular,
                             "Anisotropic": fitted.anisotropic, "Anisotropic Rotation": fitted.rotation}.items():

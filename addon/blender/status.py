@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from ..brdf import tables
-from . import groups, luts, nodes, osl, stand_in, switches, upgrade
+from . import groups, luts, nodes, osl, renew, stand_in, switches, upgrade
 from .words import say
 
 OLDEST = (4, 2, 0)
@@ -39,9 +39,10 @@ def notices(context, node=None, material=None) -> list:
         return [missing]
     scene = context.scene
     model = None if node is None else nodes.model_of(node)
-    found = [_tables(model), _older(material)]
+    found = [*_edited(material), _tables(model), _older(material)]
     if model is not None:
-        stands = [_native(node)] if switches.is_native(node) else [_osl_off(scene), _wrong_device(scene), _beyond(node)]
+        stands = [_native(node)] if switches.is_native(node) else [_osl_off(scene), _wrong_device(scene), _beyond(node),
+                                                                     _files(node)]
         found = [_engine(scene), *stands, _newer(node), *found]
     return [notice for notice in found if notice is not None]
 
@@ -117,16 +118,28 @@ def _older(material):
     return Notice(upgrade.told, icon="INFO") if upgrade.told else None
 
 
+def _edited(material):
+    """That nodes of a material were edited so that they do not work."""
+    cures = [Cure("plausible.renew", "Renew Node")]
+    return [Notice(renew.complaint(node), *(cures if renew.can_renew(node) else ())) for node in renew.broken(material)]
+
+
 def _tables(model):
     text = luts.problem(tables.TABLES if model is None else model.tables)
     models = {} if model is None else {"models": {model.id}}
     return text and Notice(text, Cure("plausible.choose_bake", "Bake LUTs", models))
 
 
+def _files(node):
+    """That a table which a node reads from its file, at render time, cannot be read."""
+    wrong = [luts.problem_of(name, path) for name, path in groups.table_files(node).items()]
+    return next((Notice(text) for text in wrong if text), None)
+
+
 def _beyond(node):
     """The notice for a material whose exponent is not one that the tables compiled into it are baked for, or None."""
-    model, spans = groups.model_of(node), node.node_tree.get(groups.SPANS_KEY)
-    for name, exponent in model.readings(model.resolve(nodes.values(node))) if spans else ():
+    model, spans = groups.model_of(node), groups.spans_of(node)
+    for name, exponent in model.readings(model.resolve(nodes.values(node))):
         span = spans.get(name)
         if span is None or tables.covers(span, exponent):
             continue

@@ -7,7 +7,6 @@ from . import groups, materials, nodes
 from .operators import OnMaterial, material_of, plausible_node, reporting
 
 _PUMPS_KEY = "plausible_pumps"  # of a node: its pumps while it shows the model before pumping
-_MOVED_KEY = "plausible_moved"  # of a node: where its shader went before the native approximation took its place
 
 
 class PLAUSIBLE_OT_switch_width(OnMaterial, bpy.types.Operator):
@@ -33,7 +32,7 @@ class PLAUSIBLE_OT_switch_width(OnMaterial, bpy.types.Operator):
 
 def shows_before(node) -> bool:
     """Whether a node shows its model before pumping, to compare."""
-    return _PUMPS_KEY in node
+    return isinstance(node.get(_PUMPS_KEY), int | float)
 
 
 class PLAUSIBLE_OT_compare_pumping(OnMaterial, bpy.types.Operator):
@@ -59,7 +58,7 @@ class PLAUSIBLE_OT_compare_pumping(OnMaterial, bpy.types.Operator):
 
 def is_native(node) -> bool:
     """Whether the stand-in renders in Cycles, too, in place of the model."""
-    return _MOVED_KEY in node
+    return groups.MOVED_KEY in node
 
 
 class PLAUSIBLE_OT_switch_native(OnMaterial, bpy.types.Operator):
@@ -79,21 +78,29 @@ class PLAUSIBLE_OT_switch_native(OnMaterial, bpy.types.Operator):
 
 
 def _move(node):
-    links = list(node.outputs[groups.BSDF].links)
+    links = list(nodes.output_of(node, groups.BSDF).links)
     if not links:
         raise ValueError("The node's BSDF is plugged into nothing: there is nothing to replace")
-    node[_MOVED_KEY] = [[link.to_node.name, link.to_socket.identifier] for link in links]
+    node[groups.MOVED_KEY] = [[link.to_node.name, link.to_socket.identifier] for link in links]
     for link in links:
-        node.id_data.links.new(node.outputs[groups.STAND_IN], link.to_socket)
+        node.id_data.links.new(nodes.output_of(node, groups.STAND_IN), link.to_socket)
 
 
 def _move_back(node):
     """Plug the model in again where the stand-in still is; what was plugged in otherwise since then stays."""
-    places = [tuple(place) for place in node[_MOVED_KEY]]
-    for link in list(node.outputs[groups.STAND_IN].links):
+    places = _places(node[groups.MOVED_KEY])
+    for link in list(nodes.output_of(node, groups.STAND_IN).links):
         if (link.to_node.name, link.to_socket.identifier) in places:
-            node.id_data.links.new(node.outputs[groups.BSDF], link.to_socket)
-    del node[_MOVED_KEY]
+            node.id_data.links.new(nodes.output_of(node, groups.BSDF), link.to_socket)
+    del node[groups.MOVED_KEY]
+
+
+def _places(noted) -> list:
+    """Where a shader was plugged in, as it was noted; [] of what was written there by hand."""
+    try:
+        return [tuple(place) for place in noted]
+    except TypeError:
+        return []
 
 
 CLASSES = (PLAUSIBLE_OT_switch_width, PLAUSIBLE_OT_compare_pumping, PLAUSIBLE_OT_switch_native)

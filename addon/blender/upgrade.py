@@ -5,10 +5,9 @@ as it is: it carries all it needs, and renders as it did.
 """
 import bpy
 
-from .. import brdf
 from ..version import VERSION, parts
 from . import groups, nodes
-from .groups import LUT_KEY, MODEL_KEY, VERSION_KEY
+from .groups import VERSION_KEY
 from .replace import replace_node
 from .words import say
 
@@ -18,7 +17,7 @@ told = ""  # what the last upgrade did, for the panel; "" where there was nothin
 
 def version_of(node) -> str:
     """The version of the extension that made a node of ours."""
-    return node.node_tree.get(VERSION_KEY, "0.1.0") if node.bl_idname == "ShaderNodeGroup" else "0.1.0"
+    return groups.text_of(node.node_tree, VERSION_KEY) if node.bl_idname == "ShaderNodeGroup" else "0.1.0"
 
 
 def is_newer(node) -> bool:
@@ -34,7 +33,7 @@ def outdated() -> list:
 def is_outdated(node) -> bool:
     """Whether a node was made by an older version of the extension."""
     if node.bl_idname == "ShaderNodeScript":
-        return node.get(MODEL_KEY) in brdf.MODELS
+        return groups.named_model(node) is not None
     return groups.model_of(node) is not None and parts(version_of(node)) < parts(VERSION)
 
 
@@ -74,8 +73,8 @@ def upgrade(old):
     tree = old.id_data
     is_script = old.bl_idname == "ShaderNodeScript"
     held = old if is_script else old.node_tree
-    model, lut = brdf.MODELS[held[MODEL_KEY]], held.get(LUT_KEY, "compiled")
-    before = {s.identifier: s for s in old.inputs} if is_script else groups.sockets(old)
+    model, lut = groups.named_model(held), groups.lut_of(held)
+    before = groups.fitting(model, {s.identifier: s for s in old.inputs}) if is_script else groups.sockets(old)
     if model.baked:
         script = old if is_script else groups.script_of(old)
         new = groups.add_compiled(tree, model, script.bytecode, lut)

@@ -75,7 +75,8 @@ def of_file(path, name: str) -> Subject:
     """The material `name` of the .blend file `path`, which is opened in place of what is open now.
 
     It has a formula where it is one of ours with nothing plugged into its parameters. Raises OSError for a file that
-    is missing or no .blend, ValueError for a name that is not in it, RoomError where Blender is missing.
+    is missing or no .blend, ValueError for a name that is not in it and for a material that has lost its shader,
+    RoomError where Blender is missing.
     """
     path = Path(path)
     if not path.is_file():
@@ -90,8 +91,19 @@ def of_file(path, name: str) -> Subject:
     if material is None:
         names = ", ".join(repr(m.name) for m in bpy.data.materials) or "none"
         raise ValueError(f"{path} has no material {name!r}; there are {names}")
+    _require_shaders(path, material)
     model, parameters = _formula(material)
     return Subject(f"{name} ({path.name})", material, model, parameters)
+
+
+def _require_shaders(path, material):
+    """Raise ValueError where a node of ours has lost its shader: Blender itself may end when it renders that."""
+    from ..blender import renew
+
+    lost = [node.name for node in material.node_tree.nodes if renew.lost_shader(node)] if material.node_tree else []
+    if lost:
+        raise ValueError(f"{path}: material {material.name!r}: the shader of {', '.join(lost)} is gone or damaged; "
+                         "open the file in Blender and press Renew Node in the panel")
 
 
 def _formula(material):
