@@ -10,7 +10,7 @@ import pytest
 from quadrature import view_at
 from scipy import ndimage, optimize, special, stats
 
-from addon.brdf import MODELS, exr, tables
+from addon.brdf import MODELS, exr, samplers, tables
 from addon.brdf.formula_model import FormulaModel
 from addon.brdf.pumped_model import PumpedModel, pumped
 
@@ -471,3 +471,16 @@ def test_extremes_are_finite_and_not_negative(name, given):
     assert np.isfinite(drawn).all() and np.isfinite(model.pdf(view[:50], drawn, **given)).all()
     albedo = model.albedo(np.array([1e-3, 0.5, 1.0]), **given)
     assert np.isfinite(albedo).all() and albedo.min() >= 0.0
+
+
+def test_half_vectors_of_a_power_go_around_as_their_density_says():
+    """Between any two azimuths there are as many as the density has there, integrated over the height."""
+    sampler, count, bins = samplers.HalfPower(2.0, 40.0), 100000, 24
+    v = (np.arange(count) + 0.5) / count
+    h = sampler.draw(np.stack([np.full(count, 0.5), v], axis=-1))
+    found = np.histogram(np.arctan2(h[:, 1], h[:, 0]), bins, (-np.pi, np.pi))[0] / count
+    x, w = np.polynomial.legendre.leggauss(40)
+    z, phi = 0.5 * (x + 1.0), -np.pi + (np.arange(60 * bins) + 0.5) * 2.0 * np.pi / (60 * bins)
+    density = sampler.density(samplers.half_vectors(z[:, None], phi).reshape(-1, 3)).reshape(len(z), bins, 60)
+    wanted = np.einsum("zbp,z->b", density, 0.5 * w) * 2.0 * np.pi / (60 * bins)
+    np.testing.assert_allclose(found, wanted, atol=5e-4)

@@ -151,9 +151,10 @@ def test_area_lamp(model, given):
 # Single directions: anisotropy, rotation and tangent.
 
 def across_plane(view_deg, turns):
-    """Lights in the plane of incidence and beside it."""
+    """Lights in the plane of incidence, beside it, and aslant to both sides: there a turn's sign shows."""
     angles = np.clip(view_deg + np.array([-30.0, -12.0, 0.0, 12.0]), -85.0, 80.0)
-    return np.concatenate([verify.in_plane(angles), verify.across_lobe(view_deg, turns)])
+    aslant = verify.across_lobe(view_deg - 15.0, (15.0, -15.0))
+    return np.concatenate([verify.in_plane(angles), verify.across_lobe(view_deg, turns), aslant])
 
 
 POINTS = [
@@ -162,6 +163,7 @@ POINTS = [
     ("disk_scaling", {"exponent": 10.0, "radius_u": 1.0, "radius_v": 0.3, "rotation": 0.1}),
     ("disk_orthogonal", {"exponent": 20.0, "radius_u": 0.3, "radius_v": 0.6, "rotation": 0.1}),
     ("edwards_empirical", {"exponent": 20.0, "base_color": 0.8, "retro": 0.3, "retro_exponent": 40.0, **THIN}),
+    ("edwards_empirical", {"exponent": 5.0, "base_color": 1.0, "vary_exponents": True, "grazing_exponent": 200.0}),
 ]
 
 

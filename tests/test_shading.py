@@ -210,3 +210,12 @@ def test_a_table_that_cannot_be_used(table_folder):
     # File materials find out when they render, and the unpumped models need no table.
     assert str(table_folder) in source.assemble(MODELS["pumped_blinn"], source.FILE)
     assert source.assemble(MODELS["blinn"])
+
+
+def test_weights_hold_for_their_values_to_single_precision():
+    """What is off by 1e-4 is told; what rounding makes of a value is not."""
+    model = MODELS["ward"]
+    text = source.assemble(model, baked=weights.blank(model, {}), parameters={"roughness_u": 0.37})
+    (condition,) = re.findall(r"^#define MODEL_MATCHES (.*)$", text, re.MULTILINE)
+    value, slack = map(float, re.search(r"abs\(roughness_u - (\S+)\) <= (\S+)", condition).groups())
+    assert value == pytest.approx(0.37, rel=1e-6) and 2.0**-24 * value < slack < 1e-4 * value

@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from addon import create_material
+from addon import create_material, verify
 from addon.brdf import MODELS
 from addon.fitting import principled_bsdf
 from addon.verify import room
@@ -12,17 +12,23 @@ pytestmark = [pytest.mark.blender, pytest.mark.versions]
 VIEW = 50.0
 
 
-def rendered(material):
-    """Albedo (3,) of the stand-in in Cycles, without OSL, and its standard error (3,)."""
+def stand_in_alone(material):
+    """The node of a material whose stand-in is what Cycles renders."""
     from addon.blender import groups, nodes
 
     node = nodes.find_node(material)
     surface = material.node_tree.get_output_node("CYCLES").inputs["Surface"]
     material.node_tree.links.new(node.outputs[groups.STAND_IN], surface)
+    return node
+
+
+def rendered(material, view=VIEW):
+    """Albedo (3,) of the stand-in in Cycles, without OSL, and its standard error (3,)."""
+    stand_in_alone(material)
     with room.Room(material, room.PLANE, 8) as place:
         place.scene.cycles.shading_system = False
         place.sky(1.0)
-        place.look_from((np.sin(np.radians(VIEW)), 0.0, np.cos(np.radians(VIEW))))
+        place.look_from((np.sin(np.radians(view)), 0.0, np.cos(np.radians(view))))
         pixels = place.render(1024).reshape(-1, 3)
     return pixels.mean(axis=0), pixels.std(axis=0, ddof=1) / np.sqrt(len(pixels))
 
@@ -46,6 +52,33 @@ def test_it_is_what_is_said_of_it(model_id, given):
     found, noise = rendered(material)
     # Cycles' tables and ours of what GGX scatters more than once are within half a percent of each other.
     np.testing.assert_allclose(found, expected, atol=0.006 + 5.0 * noise.max())
+
+
+def test_a_body_goes_dark_towards_grazing_as_schlick_says():
+    from addon.blender import nodes, stand_in
+
+    material = create_material("edwards_empirical", base_color=0.04, diffuse_color=(0.8, 0.4, 0.2), exponent=50.0)
+    mu = np.cos(np.radians([75.0]))
+    values = nodes.values(nodes.find_node(material))
+    expected = sum(share(mu) * principled_bsdf.albedo(inputs, mu)[0]
+                   for share, inputs in stand_in.parts(MODELS["edwards_empirical"], values))
+    found, noise = rendered(material, 75.0)
+    np.testing.assert_allclose(found, expected, atol=0.006 + 5.0 * noise.max())
+
+
+@pytest.mark.parametrize("model_id, given", [("pumped_phong", {"exponent": 30.0}), ("disk_scaling", {"radius_u": 0.4})])
+def test_its_lobe_is_as_high_as_is_said(model_id, given):
+    """The peak goes with the fourth power of the roughness; an albedo hardly knows it."""
+    from addon.blender import stand_in
+    from addon.blender.nodes import values
+
+    material = create_material(model_id, **given)
+    node, light = stand_in_alone(material), verify.in_plane([VIEW])
+    view = light * [-1.0, 1.0, 1.0]
+    ((_, inputs),) = stand_in.parts(MODELS[model_id], values(node))
+    expected = principled_bsdf.evaluate(inputs, view, light)[0]
+    found, noise = verify.goniometer(material, VIEW, light, samples=64)
+    np.testing.assert_allclose(found[0], expected, rtol=0.03, atol=5.0 * noise.max())
 
 
 def test_errors_are_of_these_nodes():

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from addon import cli, verify
-from addon.verify import comparison, room, standards, subject
+from addon.verify import comparison, instruments, room, standards, subject
 
 pytestmark = pytest.mark.blender
 
@@ -108,6 +108,20 @@ def test_standard_error_is_honest():
     assert 0.6 < np.std([p.mean() for p in pictures], ddof=1) / claimed < 1.5
 
 
+def test_mean_and_standard_error_of_known_pixels():
+    pixels = np.repeat(np.array([1.0, 2.0, 3.0, 6.0]).reshape(2, 2, 1), 3, axis=2)
+    mean, error = instruments._statistics(pixels)
+    np.testing.assert_allclose(mean, 3.0)
+    np.testing.assert_allclose(error, np.sqrt((4.0 + 1.0 + 0.0 + 9.0) / 3.0 / 4.0))
+
+
+def test_the_mirrors_side_is_where_the_view_is_not():
+    view, mirror = view_at(40.0)[0], verify.in_plane([40.0])[0]
+    np.testing.assert_allclose(mirror, view * [-1.0, -1.0, 1.0], atol=1e-12)
+    beside = verify.across_lobe(40.0, [10.0])[0]
+    assert beside @ mirror == pytest.approx(np.cos(np.radians(10.0))) and beside[1] > 0.0
+
+
 def test_measuring_twice_gives_the_same_and_leaves_nothing_behind():
     import bpy
 
@@ -131,9 +145,9 @@ def test_wrong_arguments_are_refused(call):
 
 
 def test_verdicts():
-    report = verify.compare([[1.0] * 3, [1.1] * 3, [np.nan] * 3, [1.0] * 3], np.ones(4),
-                            [[0.0] * 3, [1e-3] * 3, [0.0] * 3, [0.1] * 3], 1e-2)
-    assert report.verdicts() == [comparison.OK, comparison.FAILED, comparison.FAILED, comparison.NOISY]
+    report = verify.compare([[1.0] * 3, [1.1] * 3, [0.9] * 3, [np.nan] * 3, [1.0] * 3], np.ones(5),
+                            [[0.0] * 3, [1e-3] * 3, [1e-3] * 3, [0.0] * 3, [0.1] * 3], 1e-2)
+    assert report.verdicts() == [comparison.OK, *[comparison.FAILED] * 3, comparison.NOISY]
     assert report.verdict == comparison.FAILED
     with pytest.raises(ValueError, match="tolerance"):
         verify.compare(np.ones((1, 3)), [1.0], np.zeros((1, 3)), 0.0)
