@@ -14,6 +14,7 @@ COMMANDS = {
     "build": ("addon.commands.build", "make the extension's zip"),
     "furnace": ("addon.commands.furnace", "albedo rendered in Cycles against theory"),
     "goniometer": ("addon.commands.goniometer", "lobe under a sun rendered in Cycles against theory"),
+    "chi2": ("addon.commands.chi2", "whether a model's sampler draws with the density that it claims"),
     "portable": ("addon.commands.portable", "whether a .blend renders alone, elsewhere, what it renders here"),
     "compare": ("addon.commands.compare", "computed properties of the models, and what is published of them"),
     "match": ("addon.commands.match", "parameters with which one model is as wide as another"),

@@ -5,6 +5,8 @@ draws are: the first of them, which are then not counted, place the lines, so th
 wide and the cells know nothing of what is counted in them. What a cell should hold is the density's integral over it.
 """
 from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,8 +19,22 @@ NODES = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)  # Gauss-Legendre's two, of 0
 DEPTH = 12  # times that a cell is quartered
 # A cell's integral may be wrong by this part of its noise: 20 000 such errors move the statistic by 0.09 of its spread.
 CARE = 0.03
-EDGE_DEPTH = 4  # times at least, where the density begins
+BLOCK = 20  # cells along each side that are put together for the coarse test
+EDGE_DEPTH = 4  # times at least, where the density jumps
+STEPS_DEPTH = 3  # times at least, where it has steps
 ROWS = 1 << 16  # directions that a density is asked for at once
+
+
+class Pearson(NamedTuple):
+    """Pearson's `statistic` of that many `degrees` of freedom, and the chance of one as large, `p_value`.
+
+    `bias` is what errors of the integrals add to the statistic, whose spread is sqrt(2 degrees).
+    """
+
+    statistic: float
+    degrees: int
+    p_value: float
+    bias: float
 
 
 @dataclass(frozen=True)
@@ -26,9 +42,8 @@ class ChiSquare:
     """What was drawn and what should have been, by cells: `counts` and `expected` (P, Z).
 
     `azimuths` (P + 1,) in radians and `cosines` (Z + 1,) are the cells' edges. `undrawn` is how often nothing was drawn
-    and how often it should have been. `p_value` is the chance of a `statistic` as large where the density is right; it
-    is 0 where a draw lies where the density is 0 (`strays` of them), and where its `integral` passes 1 or is not
-    finite. `bias` bounds what the statistic, whose spread is sqrt(2 degrees), is wrong by for errors of the integrals.
+    and how often it should have been. `fine` is the test by these cells, `coarse` by blocks of BLOCK x BLOCK of them.
+    `integral` is the density's over the sphere, within `error`; `strays` is how many draws lie where it is 0.
     """
 
     azimuths: np.ndarray
@@ -36,12 +51,19 @@ class ChiSquare:
     counts: np.ndarray
     expected: np.ndarray
     undrawn: tuple
-    statistic: float
-    degrees: int
-    p_value: float
+    fine: Pearson
+    coarse: Pearson
     integral: float
+    error: float
     strays: int
-    bias: float
+
+    @property
+    def p_value(self) -> float:
+        """The chance of draws so far from the density, were it right. 0 where they cannot be its: one of them lies
+        where it is 0, or its integral is not finite or passes 1."""
+        if self.strays or not self.integral <= 1.0 + self.error:
+            return 0.0
+        return min(2.0 * min(self.fine.p_value, self.coarse.p_value), 1.0)
 
     def draw(self, path, title: str = ""):
         """Write a PNG of both densities and their difference in standard deviations. Raises ValueError as `plots`."""
@@ -56,12 +78,25 @@ def significance(level: float, tests: int) -> float:
     return -np.expm1(np.log1p(-level) / tests)
 
 
-def compare(directions, pdf, cells=(200, 100)) -> ChiSquare:
+def of_model(model, parameters: dict, view, samples: int, seed: int, cells=(200, 100)) -> ChiSquare:
+    """The test of `model.sample` against `model.pdf` for one `view` (3,), by that many draws beside those of the pilot.
+
+    Raises ValueError as `compare` and the model do, and for a number of samples out of 1000 .. 10 000 000.
+    """
+    if int(samples) != samples or not 1000 <= samples <= 10_000_000:
+        raise ValueError(f"samples: {samples} is not a whole number from 1000 to 10000000")
+    u = np.random.default_rng(seed).random((int(samples) + min(PILOT, int(samples) // 9), 2))
+    light = model.sample(view, u, **parameters)
+    steps = any(p.kind == "image" for p in model.parameters)  # drawn by small cells of half vectors
+    return compare(light, lambda direction: model.pdf(view, direction, **parameters), cells, steps)
+
+
+def compare(directions, pdf, cells=(200, 100), steps: bool = False) -> ChiSquare:
     """Hold independent draws of `directions` (N, 3) against `pdf(directions (M, 3)) -> (M,)`, 1/sr over the sphere.
 
     Rows of NaN are draws of nothing. `cells` are those over azimuth and over cosine. The first PILOT rows are not
-    counted. Raises ValueError for other than unit vectors, for fewer draws than fill two cells, and for a density that
-    is negative or of another shape.
+    counted. `steps` tells of a density that is constant on regions smaller than cells. Raises ValueError for other than
+    unit vectors, for fewer draws than fill two cells, and for a density that is negative or of another shape.
     """
     drawn = _checked(directions)
     if len(cells) != 2 or any(int(n) != n or not 2 <= n <= 4096 for n in cells):
@@ -72,7 +107,7 @@ def compare(directions, pdf, cells=(200, 100)) -> ChiSquare:
     known = drawn[np.isfinite(drawn[:, 0])]
     place = _cell_of(_place(known), azimuths, cosines)
     counts = np.bincount(place, minlength=(len(azimuths) - 1) * (len(cosines) - 1)).astype(np.float64)
-    share, wrong = integrals(pdf, azimuths, cosines, known)
+    share, wrong = integrals(pdf, azimuths, cosines, known, steps)
     return _judged(azimuths, cosines, counts, share * len(drawn), wrong * len(drawn), len(drawn),
                    lambda rare: _strays(known[rare[place]], pdf))
 
@@ -115,19 +150,21 @@ def _between(x, edges):
     return np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
 
 
-def integrals(pdf, azimuths, cosines, drawn):
+def integrals(pdf, azimuths, cosines, drawn, steps: bool = False):
     """Integrals (P * Z,) of `pdf` over the cells, and what they may be wrong by, (P * Z,); `drawn` (N, 3) show where.
 
     By Gauss-Legendre's 2 x 2 nodes in each box of a grid and in its quarters; where both differ by more than CARE times
     the noise of a count, the quarters are quartered again. What they differ by is taken for the error: where the
     density is smooth it is 15 times that, where it jumps some two times. That sees no peak, and no edge, that passes
     between the nodes. So what holds other than its share of the draws is quartered as well, and so are boxes where the
-    density begins; and the grid is the cells', with more lines where a wide one is beside a narrow one.
+    density jumps; and the grid is the cells', with more lines where a wide one is beside a narrow one. Where there are
+    `steps`, nodes are random, one in each quarter of a box, and boxes smaller: steps along a row of cells would be
+    missed by the same in each of them.
     """
     lines = [_graded(edges) for edges in (azimuths, cosines)]
     corners = [np.stack(np.meshgrid(a, b, indexing="ij"), axis=-1).reshape(-1, 2)
                for a, b in ((lines[0][:-1], lines[1][:-1]), (lines[0][1:], lines[1][1:]))]
-    total, wrong = _quartering(pdf, corners[0], corners[1] - corners[0], lines, drawn)
+    total, wrong = _quartering(pdf, corners[0], corners[1] - corners[0], lines, drawn, steps)
     into = _cell_of(0.5 * (corners[0] + corners[1]), azimuths, cosines)
     return np.bincount(into, total), np.bincount(into, wrong)
 
@@ -144,24 +181,27 @@ def _graded(edges):
     return np.unique(np.concatenate(lines))
 
 
-def _quartering(pdf, low, size, lines, drawn):
+def _quartering(pdf, low, size, lines, drawn, steps):
     """Integrals (N,) over the boxes between `lines` and their errors, see `integrals`."""
     owner, draws = np.arange(len(low)), len(drawn)
-    whole = _gauss(pdf, low, size)
-    edge = _begins(draws * whole.reshape(len(lines[0]) - 1, -1)).ravel()
+    rule = _gauss if not steps else partial(_gauss, jitter=np.random.default_rng(0))
+    least = STEPS_DEPTH if steps else 1
+    whole = rule(pdf, low, size)
+    area = draws * size.prod(axis=1)
+    edge = _jumps(*(x.reshape(len(lines[0]) - 1, -1) for x in (draws * whole / area, area))).ravel()
     place = _place(drawn)
     box = _cell_of(place, *lines)
     within = (place - low[box]) / size[box]
     total, wrong = np.zeros(len(low)), np.zeros(len(low))
     for depth in range(DEPTH):
         low, size = _quartered(low, size)
-        parts = _gauss(pdf, low, size).reshape(-1, 4)
+        parts = rule(pdf, low, size).reshape(-1, 4)
         differ = np.abs(parts.sum(axis=1) - whole)
         held = draws * (total + np.bincount(owner, parts.sum(axis=1), minlength=len(total)))
         allowed = (CARE * np.minimum(np.sqrt(held), held) + 1e-5) / draws / 2.0**depth
         wanted, found = draws * parts.sum(axis=1), np.bincount(box, minlength=len(parts))
-        surprising = np.abs(found - wanted) > 5.0 * np.sqrt(wanted)
-        again = (differ > allowed[owner]) | surprising | (edge[owner] & (depth < EDGE_DEPTH))
+        surprising = np.abs(found - wanted) > 3.0 * np.sqrt(wanted)
+        again = (differ > allowed[owner]) | surprising | (edge[owner] & (depth < EDGE_DEPTH)) | (depth < least - 1)
         again &= depth < DEPTH - 1
         total += np.bincount(owner[~again], parts[~again].sum(axis=1), minlength=len(total))
         wrong += np.bincount(owner[~again], differ[~again], minlength=len(total))
@@ -173,12 +213,18 @@ def _quartering(pdf, low, size, lines, drawn):
     return total, wrong
 
 
-def _begins(held):
-    """Whether of a cell and those beside it one holds a draw or so and another nothing, (P, Z); azimuths go round."""
-    beside = np.pad(held, ((0, 0), (1, 1)), mode="edge")
-    beside = np.stack([np.roll(beside, turn, axis=0)[:, shift:shift + held.shape[1]]
-                       for turn in (-1, 0, 1) for shift in (0, 1, 2)])
-    return (beside.max(axis=0) > 0.3) & (beside.min(axis=0) == 0.0)
+def _jumps(density, area):
+    """Whether the densities in a box and in those beside it are many times each other, by more than the noise of a
+    count, (P, Z). `area` is times the number of draws. Azimuths go round.
+    """
+    def beside(values):
+        wide = np.pad(values, ((0, 0), (1, 1)), mode="edge")
+        return np.stack([np.roll(wide, turn, axis=0)[:, shift:shift + values.shape[1]]
+                         for turn in (-1, 0, 1) for shift in (0, 1, 2)])
+
+    near = beside(density)
+    most, least = near.max(axis=0), near.min(axis=0)
+    return (least < 0.2 * most) & (beside(area).min(axis=0) * (most - least) ** 2 > 9.0 * most)
 
 
 def _sent_down(box, within, again):
@@ -195,12 +241,13 @@ def _quartered(low, size):
     return np.repeat(low, 4, axis=0) + half * np.tile([(0, 0), (0, 1), (1, 0), (1, 1)], (len(low), 1)), half
 
 
-def _gauss(pdf, low, size):
-    """Integrals (N,) over boxes of azimuth and cosine by 2 x 2 nodes."""
-    nodes = np.stack(np.meshgrid(NODES, NODES), axis=-1).reshape(-1, 2)
+def _gauss(pdf, low, size, jitter=None):
+    """Integrals (N,) over boxes of azimuth and cosine by 2 x 2 nodes, or one in each quarter by the random `jitter`."""
     result = np.empty(len(low))
+    quarters = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
     for start in range(0, len(low), ROWS // 4):
         rows = slice(start, start + ROWS // 4)
+        nodes = NODES[quarters] if jitter is None else 0.5 * (quarters + jitter.random((len(low[rows]), 4, 2)))
         azimuth, cosine = (low[rows, None] + size[rows, None] * nodes).reshape(-1, 2).T
         across = np.sqrt(np.maximum((1.0 - cosine) * (1.0 + cosine), 0.0))
         value = _density(pdf, np.stack([across * np.cos(azimuth), across * np.sin(azimuth), cosine], axis=-1))
@@ -224,19 +271,32 @@ def _strays(direction, pdf):
 
 def _judged(azimuths, cosines, counts, expected, wrong, draws, strays):
     shape = len(azimuths) - 1, len(cosines) - 1
-    integral = float(expected.sum() / draws)
-    undrawn = draws - counts.sum(), max(draws - expected.sum(), 0.0)
-    group = _groups(np.append(expected, undrawn[1]))
-    found, wanted, error = (np.bincount(group, x) for x in (
-        np.append(counts, undrawn[0]), np.append(expected, undrawn[1]), np.append(wrong, 0.0)))
-    if len(wanted) < 2:
-        raise ValueError(f"directions: {draws} draws are too few: no two cells have {LEAST:g} of them")
-    statistic, degrees = float(((found - wanted) ** 2 / wanted).sum()), len(wanted) - 1
     astray = strays(expected < 1e-2)
-    sound = astray == 0 and integral <= 1.0 + max(3.0 * wrong.sum() / draws, 2e-4)  # NaN is not
-    return ChiSquare(azimuths, cosines, counts.reshape(shape), expected.reshape(shape), undrawn, statistic, degrees,
-                     _upper_tail(statistic, degrees) if sound else 0.0, integral, astray,
-                     float((error**2 / wanted).sum()))
+    integral = float(expected.sum() / draws)
+    error = float(max(3.0 * wrong.sum() / draws, 2e-4))
+    # What the integral lacks, give or take its error: as near as that comes to what is missing.
+    nothing, lacks = float(draws - counts.sum()), float(draws - expected.sum())
+    undrawn = nothing, max(min(max(nothing, lacks - draws * error), lacks + draws * error), 0.0)
+    cells = [x.reshape(shape) for x in (counts, expected, wrong)]
+    tests = [_pearson(*(np.append(x, more) for x, more in zip(parts, (*undrawn, 0.0), strict=True)))
+             for parts in (cells, [_blocks(x) for x in cells])]
+    return ChiSquare(azimuths, cosines, *cells[:2], undrawn, *tests, integral, error, astray)
+
+
+def _blocks(values):
+    """Sums over blocks of BLOCK x BLOCK cells."""
+    for axis in (0, 1):
+        values = np.add.reduceat(values, np.arange(0, values.shape[axis], BLOCK), axis=axis)
+    return values
+
+
+def _pearson(counts, expected, wrong):
+    group = _groups(expected)
+    found, wanted, error = (np.bincount(group, x) for x in (counts, expected, wrong))
+    if len(wanted) < 2:
+        raise ValueError(f"directions: {counts.sum():.0f} are too few to count: no two cells should have {LEAST:g}")
+    statistic, degrees = float(((found - wanted) ** 2 / wanted).sum()), len(wanted) - 1
+    return Pearson(statistic, degrees, _upper_tail(statistic, degrees), float((error**2 / wanted).sum()))
 
 
 def _groups(expected):

@@ -184,8 +184,9 @@ def chi_square(path, title: str, result):
     axes[0].set_ylabel("cosine from the normal")
     axes[0].set_yticks(*_ticks(result.cosines))
     strays = f", {result.strays} where the density is 0" if result.strays else ""
-    figure.suptitle(f"{title}{': ' if title else ''}p = {result.p_value:.3g}, χ² = {result.statistic:.0f} of "
-                    f"{result.degrees} degrees, integral {result.integral:.5f}{strays}", fontsize=11)
+    fine, coarse = (f"χ² = {test.statistic:.0f} of {test.degrees} degrees" for test in (result.fine, result.coarse))
+    figure.suptitle(f"{title}{': ' if title else ''}p = {result.p_value:.3g}, {fine}, coarse {coarse}, integral "
+                    f"{result.integral:.5f}{strays}", fontsize=11)
     figure.savefig(path)
     plt.close(figure)
 
