@@ -3,9 +3,10 @@
     python tests/mitsuba_judge.py chi2 JOBS.json     prints what its chi-square test says of each job
     python tests/mitsuba_judge.py render JOBS.json   renders each job, and writes its pictures as .npy
 
-Jobs are lists of dicts; what each holds is said at the functions below. They come back as JSON on standard output.
+Jobs are lists of dicts; what each holds is said at the functions below. What is found is JSON on standard output.
 """
 import contextlib
+import ctypes
 import json
 import os
 import sys
@@ -15,8 +16,10 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
-# Debian's; of those before 18 the code generator does not know an instruction that Dr.Jit asks for on AVX-512.
-os.environ.setdefault("DRJIT_LIBLLVM_PATH", "libLLVM.so.19.1")
+with contextlib.suppress(OSError):
+    # Of Debian's this one: 15 and 16 cannot compile for AVX-512 what Dr.Jit asks for, which looks for any.
+    ctypes.CDLL("libLLVM.so.19.1")
+    os.environ.setdefault("DRJIT_LIBLLVM_PATH", "libLLVM.so.19.1")
 
 from addon.brdf import MODELS
 
@@ -48,13 +51,127 @@ def chi2(mi, jobs):
     return found
 
 
+def render(mi, jobs):
+    """Pictures of a ball of radius 1 at the origin under each {"model", "parameters", "light", "resolution", "width",
+    "samples", "seeds", "output"}: an array (seeds, resolution, resolution, 3) into the file `output`, row 0 at the
+    bottom.
+
+    It is seen along -z by an orthographic camera whose picture is `width` across, +y up; a pixel is the mean over its
+    square. `light` holds one of "sky": radiance, "image": an equirectangular picture with Blender's axes, "sun":
+    direction, of irradiance pi, and "area": direction, with its "distance", "size" and "radiance".
+    """
+    import drjit as dr
+
+    # The formula is NumPy's: Mitsuba must have numbers when it asks for it, not traces.
+    for flag in (dr.JitFlag.SymbolicCalls, dr.JitFlag.SymbolicLoops, dr.JitFlag.SymbolicConditionals):
+        dr.set_flag(flag, False)
+    mi.register_bsdf("formula", lambda props: formula(mi, props))
+    for job in jobs:
+        scene = mi.load_dict({
+            "type": "scene", "integrator": {"type": "direct"}, "sensor": camera(mi, job), "light": light(mi, job),
+            "ball": {"type": "sphere", "bsdf": {"type": "formula", "job": json.dumps(job)}}})
+        pictures = [np.array(mi.render(scene, spp=job["samples"], seed=seed))[::-1] for seed in range(job["seeds"])]
+        np.save(job["output"], np.array(pictures))
+    return [job["output"] for job in jobs]
+
+
+def camera(mi, job):
+    to_world = mi.ScalarTransform4f
+    return {"type": "orthographic", "near_clip": 0.1, "far_clip": 100.0,
+            "to_world": to_world().look_at(origin=[0, 0, 10], target=[0, 0, 0], up=[0, 1, 0])
+            @ to_world().scale([0.5 * job["width"], 0.5 * job["width"], 1.0]),
+            "film": {"type": "hdrfilm", "width": job["resolution"], "height": job["resolution"],
+                     "pixel_format": "rgb", "component_format": "float32", "rfilter": {"type": "box"}},
+            "sampler": {"type": "multijitter", "sample_count": job["samples"]}}
+
+
+def light(mi, job):
+    (kind, value), *more = job["light"].items()
+    more = dict(more)
+    if kind == "sky":
+        return {"type": "constant", "radiance": {"type": "rgb", "value": [value] * 3}}
+    if kind == "sun":
+        return {"type": "directional", "direction": [-x for x in value],
+                "irradiance": {"type": "rgb", "value": [np.pi] * 3}}
+    if kind == "image":
+        # Its y is Blender's z, and the middle of the picture, its z, is Blender's x.
+        turned = mi.ScalarTransform4f([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+        return {"type": "envmap", "filename": value, "to_world": turned}
+    place = [x * more["distance"] for x in value]
+    half = 0.5 * more["size"]
+    return {"type": "rectangle", "to_world": mi.ScalarTransform4f().look_at(
+        origin=place, target=[0, 0, 0], up=[0, 1, 0]) @ mi.ScalarTransform4f().scale([half, half, 1.0]),
+        "emitter": {"type": "area", "radiance": {"type": "rgb", "value": [more["radiance"]] * 3}}}
+
+
+def formula(mi, props):
+    """A material of Mitsuba's that is one of our models: value, sampler and density in NumPy."""
+    import drjit as dr
+
+    job = json.loads(props["job"])
+    model, parameters = MODELS[job["model"]], job["parameters"]
+
+    def rows(vector):
+        return np.array(vector, dtype=np.float64).T.reshape(-1, 3)
+
+    def of_both(si, wo, active, function, columns):
+        """function(view, light) of those above the horizon, 0 of others: (N, columns)."""
+        view, light = np.broadcast_arrays(rows(si.wi), rows(wo))
+        up = np.array(active & (si.wi.z > 0.0) & (wo.z > 0.0), dtype=bool)
+        up = np.broadcast_to(up, len(view)) & (view[:, 2] > 0.0) & (light[:, 2] > 0.0)
+        found = np.zeros((len(view), columns))
+        if up.any():
+            found[up] = function(unit(view[up]), unit(light[up])).reshape(up.sum(), -1)
+        return found
+
+    def unit(vector):
+        return vector / np.linalg.norm(vector, axis=1, keepdims=True)
+
+    class Formula(mi.BSDF):
+        def __init__(self, props):
+            mi.BSDF.__init__(self, props)
+            self.m_components = [mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.FrontSide]
+            self.m_flags = self.m_components[0]
+
+        def eval(self, ctx, si, wo, active=True):
+            value = of_both(si, wo, active, lambda view, light: model.evaluate(view, light, **parameters)
+                            .reshape(len(light), -1) * light[:, 2:], 3)
+            return mi.Color3f(value.T)
+
+        def pdf(self, ctx, si, wo, active=True):
+            return mi.Float(of_both(si, wo, active, lambda view, light: model.pdf(view, light, **parameters), 1)[:, 0])
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            return self.eval(ctx, si, wo, active), self.pdf(ctx, si, wo, active)
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            view, u = rows(si.wi), np.array(sample2, dtype=np.float64).T.reshape(-1, 2)
+            up = np.broadcast_to(np.array(active, dtype=bool), len(view)) & (view[:, 2] > 0.0)
+            drawn = np.tile([0.0, 0.0, -1.0], (len(view), 1))
+            if up.any():
+                drawn[up] = model.sample(unit(view[up]), u[up], **parameters)
+            found = mi.BSDFSample3f()
+            found.wo = mi.Vector3f(drawn.T)
+            found.pdf = self.pdf(ctx, si, found.wo, active)
+            found.eta = 1.0
+            found.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
+            found.sampled_component = mi.UInt32(0)
+            weight = self.eval(ctx, si, found.wo, active) / found.pdf
+            return found, dr.select(found.pdf > 0.0, weight, 0.0)
+
+        def to_string(self):
+            return f"Formula[{job['model']}]"
+
+    return Formula(props)
+
+
 def main(what, path):
     import mitsuba as mi
 
     mi.set_variant("llvm_ad_rgb")
     jobs = json.loads(Path(path).read_text(encoding="utf-8"))
     with contextlib.redirect_stdout(sys.stderr):
-        found = {"chi2": chi2}[what](mi, jobs)
+        found = {"chi2": chi2, "render": render}[what](mi, jobs)
     print(json.dumps(found))
 
 
