@@ -83,8 +83,8 @@ def test_samples_follow_the_density(name, tmp_path):
         result.draw(tmp_path / "densities.png", name)
     assert result.p_value > BOUND, f"{name}: p = {result.p_value:.3g}, see {tmp_path / 'densities.png'}"
     assert result.counts.shape == (200, 100) and result.counts.sum() + result.undrawn[0] == SAMPLES
-    # The error of what was expected is far below the noise of what was found.
-    assert result.fine.bias < 0.1 * np.sqrt(2.0 * result.fine.degrees)
+    # The error of what was expected is far below the noise of what was found; most of all of an image's steps.
+    assert result.fine.bias < (0.2 if model == "ndf_map" else 0.05) * np.sqrt(2.0 * result.fine.degrees)
 
 
 # What is planted is found: densities and samplers that are a little wrong.

@@ -28,7 +28,7 @@ ROWS = 1 << 16  # directions that a density is asked for at once
 class Pearson(NamedTuple):
     """Pearson's `statistic` of that many `degrees` of freedom, and the chance of one as large, `p_value`.
 
-    `bias` is what errors of the integrals add to the statistic, whose spread is sqrt(2 degrees).
+    `bias` bounds what errors of the integrals add to the statistic, whose spread is sqrt(2 degrees).
     """
 
     statistic: float
@@ -94,9 +94,10 @@ def of_model(model, parameters: dict, view, samples: int, seed: int, cells=(200,
 def compare(directions, pdf, cells=(200, 100), steps: bool = False) -> ChiSquare:
     """Hold independent draws of `directions` (N, 3) against `pdf(directions (M, 3)) -> (M,)`, 1/sr over the sphere.
 
-    Rows of NaN are draws of nothing. `cells` are those over azimuth and over cosine. The first PILOT rows are not
-    counted. `steps` tells of a density that is constant on regions smaller than cells. Raises ValueError for other than
-    unit vectors, for fewer draws than fill two cells, and for a density that is negative or of another shape.
+    Rows that are not finite are draws of nothing. `cells` are those over azimuth and over cosine. The first PILOT rows
+    are not counted. `steps` tells of a density that is constant on regions smaller than cells. Raises ValueError for
+    other than unit vectors, for fewer draws than fill two cells, and for a density that is negative or of another
+    shape.
     """
     drawn = _checked(directions)
     if len(cells) != 2 or any(int(n) != n or not 2 <= n <= 4096 for n in cells):
@@ -116,7 +117,7 @@ def _checked(directions):
     drawn = np.array(directions, dtype=np.float64)
     if drawn.ndim != 2 or drawn.shape[1] != 3:
         raise ValueError(f"directions: expected rows of three numbers, got shape {drawn.shape}")
-    nothing = np.isnan(drawn).any(axis=1)
+    nothing = ~np.isfinite(drawn).all(axis=1)
     drawn[nothing] = np.nan
     drawn[~nothing] = unit_vectors("directions", drawn[~nothing]) if not nothing.all() else np.nan
     return drawn
