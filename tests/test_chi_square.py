@@ -184,7 +184,7 @@ def test_integrals_of_a_density_with_an_edge():
     cosine = (rim - axis[2] * z) / np.maximum(axis[0] * np.sqrt(1.0 - z * z), 1e-12)
     rings = (2.0 * np.arccos(np.clip(cosine, -1.0, 1.0))).mean(axis=1) * np.diff(result.cosines) / area
     found = result.expected.sum(axis=0) / result.counts.sum()
-    np.testing.assert_allclose(found, rings, atol=3e-5)
+    np.testing.assert_allclose(found, rings, atol=5e-5)  # a third of the noise of a count, or less
 
 
 def test_what_is_not_drawn_is_a_cell_of_its_own():

@@ -20,7 +20,7 @@ DEPTH = 12  # times that a cell is quartered
 # A cell's integral may be wrong by this part of its noise: 20 000 such errors move the statistic by 0.09 of its spread.
 CARE = 0.03
 BLOCK = 20  # cells along each side that are put together for the coarse test
-EDGE_DEPTH = 4  # times at least, where the density jumps
+EDGE_DEPTH = 3  # times at least, where the density jumps
 STEPS_DEPTH = 3  # times at least, where it has steps
 ROWS = 1 << 16  # directions that a density is asked for at once
 
