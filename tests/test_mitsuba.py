@@ -217,17 +217,7 @@ def by_cycles(bpy):
 def pictures(tmp_path_factory):
     import bpy
 
-    import addon
-
-    mitsuba = by_mitsuba(bpy, tmp_path_factory.mktemp("mitsuba"))
-    addon.register()
-    try:
-        cycles = by_cycles(bpy)
-    finally:
-        for blocks in (bpy.data.materials, bpy.data.node_groups):
-            for block in list(blocks):
-                blocks.remove(block)
-        addon.unregister()
+    mitsuba, cycles = by_mitsuba(bpy, tmp_path_factory.mktemp("mitsuba")), by_cycles(bpy)
     return {(model, scene): Pictures(cycles[model, "sun" if scene == "planted" else scene], picture)
             for (model, scene), picture in mitsuba.items()}
 
