@@ -154,3 +154,43 @@ def _lobe_errors(axis, sweeps, colours):
     axis.axhline(0.0, color=INK, lw=0.8)
     axis.set(xlabel="light in the plane of incidence (dots), off it (crosses) [degrees]",
              ylabel="error [% of the peak], bars 5σ", ylim=(-reach, reach))
+
+
+def chi_square(path, title: str, result):
+    """Density drawn, density claimed, and their difference in standard deviations, cell by cell. Writes a PNG.
+
+    `result` is a `verify.chi_square.ChiSquare`. All cells are as large as each other here; ticks tell where they lie.
+    """
+    plt = _pyplot()
+    figure, axes = plt.subplots(1, 3, figsize=(13.0, 4.4), layout="constrained", sharex=True, sharey=True)
+    area = np.diff(result.azimuths)[:, None] * np.diff(result.cosines)
+    total = result.counts.sum() + result.undrawn[0]
+    drawn, claimed = result.counts / total / area, result.expected / total / area
+    peak = max(drawn.max(), 1e-30)
+    for axis, density, label in ((axes[0], drawn, "drawn"), (axes[1], claimed, "claimed")):
+        image = axis.imshow(np.maximum(density, 1e-6 * peak).T, norm="log", vmin=1e-4 * peak, vmax=peak, cmap="viridis",
+                            origin="lower", aspect="auto", interpolation="nearest")
+        axis.set_title(f"{label} [1/sr]", fontsize=10)
+    figure.colorbar(image, ax=list(axes[:2]), fraction=0.04)
+    spread = np.sqrt(np.maximum(result.expected, 1.0))
+    image = axes[2].imshow(((result.counts - result.expected) / spread).T, vmin=-4.0, vmax=4.0, cmap="RdBu_r",
+                           origin="lower", aspect="auto", interpolation="nearest")
+    axes[2].set_title("drawn less claimed, in standard deviations", fontsize=10)
+    figure.colorbar(image, ax=axes[2], fraction=0.08)
+    for axis in axes:
+        axis.grid(False)
+        axis.set_xlabel("azimuth [degrees], cells as they are")
+        axis.set_xticks(*_ticks(np.degrees(result.azimuths)))
+    axes[0].set_ylabel("cosine from the normal")
+    axes[0].set_yticks(*_ticks(result.cosines))
+    strays = f", {result.strays} where the density is 0" if result.strays else ""
+    figure.suptitle(f"{title}{': ' if title else ''}p = {result.p_value:.3g}, χ² = {result.statistic:.0f} of "
+                    f"{result.degrees} degrees, integral {result.integral:.5f}{strays}", fontsize=11)
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def _ticks(edges, count=5):
+    """Places and labels of some of the `edges` of cells that are drawn as wide as each other."""
+    at = np.linspace(0, len(edges) - 1, count).round().astype(int)
+    return at - 0.5, [f"{round(edges[i], 9) + 0.0:.4g}" for i in at]
