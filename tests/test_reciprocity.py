@@ -38,7 +38,7 @@ def name_of(value):
 
 
 def grid():
-    """All pairs (27648, 3) of 12 x 24 views, from 3 degrees off the normal to 0.1 off the horizon, and 12 x 8 lights."""
+    """All pairs (27648, 3) of 12 x 24 views, from 3 degrees off the normal to 0.1 above the horizon, and 96 lights."""
     angles = np.concatenate([np.linspace(3.0, 85.0, 10), [89.0, 89.9]])
     view = toward(np.repeat(angles, 24), np.tile(np.arange(24) * 15.0, 12))
     light = toward(np.repeat(angles, 8), np.tile(np.arange(8) * 45.0, 12))
