@@ -381,6 +381,24 @@ def test_pumping_conserves_any_symmetric_formula(name, given):
     np.testing.assert_allclose(model.evaluate(view, light, **once), expected, rtol=5e-3)
 
 
+@pytest.mark.parametrize("name", ["pumped_ward", "pumped_ward_duer"])
+def test_pumping_holds_at_the_horizon(name):
+    """Below a cosine of 1e-4 albedos that grow as a power go on growing: by 10 and 100 at 1e-6."""
+    albedo = MODELS[name].albedo(np.array([1e-6, 1e-5]), roughness_u=0.3, pumps=1.0, control=False)
+    np.testing.assert_allclose(albedo, 1.0, atol=0.01)
+
+
+def test_lobes_of_no_light_and_of_too_much_are_numbers():
+    """Lafortune's lobes may look below the horizon, and grow as 1.2^n."""
+    nothing = {f"{c}_{i}": -1.0 for c in ("cxy", "cz") for i in (1, 2, 3)}
+    view, light = directions(50, seed=12), directions(50, seed=13)
+    light[:, :2] = np.abs(light[:, :2]) * np.sign(view[:, :2])  # where C_xy < 0 shows nothing
+    assert (MODELS["pumped_lafortune"].evaluate(view, light, pumps=4.0, control=False, **nothing) == 0.0).all()
+    up = (0.0, 0.0, 1.0)
+    much = MODELS["lafortune"].evaluate(up, up, cz_1=1.2, exponent_1=1e4, base_color=(1.0, 0.5, 0.0))[0]
+    assert np.isfinite(much).all() and much[0] > 1e30 and much[1] == pytest.approx(0.5 * much[0], rel=1e-12)
+
+
 def test_the_one_mechanism_pumps_as_tables_do():
     """Blinn's lobe through tables and through albedos of the moment."""
     mu = np.cos(np.radians([0.0, 40.0, 70.0, 85.0]))

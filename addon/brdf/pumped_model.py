@@ -13,7 +13,9 @@ from .formula_model import FormulaModel
 from .geometry import view_at
 from .parameters import PUMPING
 
-_FLATTEST = 1e-4  # cosine: below, albedos are those there
+_FLATTEST = 1e-4  # cosine: below, albedos go on as the power of it that they are there,
+_STEEPEST = 1.5  # which is no steeper than this; Ward's is -1/2, Dür's -1
+_BLACK = 1e-30  # an albedo of nothing: where it is 0 there is nothing to divide
 # Nodes of the view, of those near grazing, of the light's polar angle and of its azimuth: of albedos within 1e-3 of
 # themselves, and of some that take no time, within 1 %.
 _FINE, _COARSE = (160, 40, 12, 48), (24, 8, 3, 10)
@@ -98,11 +100,14 @@ def _chain(base, key, control, stages, grid):
             at_view, at_light = (_between(nodes, rows, mu) for mu in (view[:, 2], light[:, 2]))
             return value / pumping.correction(at_view, at_light, view[:, 2], light[:, 2], float(done), control)
 
-        rows.append(np.log([quadrature.hemisphere(stage, view, base.width(p), polar=polar, azimuthal=azimuthal)
-                            for view in views]))
+        found = [quadrature.hemisphere(stage, view, base.width(p), polar=polar, azimuthal=azimuthal) for view in views]
+        rows.append(np.log(np.maximum(found, _BLACK)))
     return nodes, np.array(rows)
 
 
 def _between(nodes, rows, mu):
-    x = np.log(np.clip(mu, _FLATTEST, 1.0))
-    return np.exp(np.stack([np.interp(x, nodes, row) for row in rows], axis=-1))
+    x = np.log(np.clip(mu, 1e-30, 1.0))
+    below = np.minimum(x - nodes[0], 0.0)
+    slopes = [np.clip((row[1] - row[0]) / (nodes[1] - nodes[0]), -_STEEPEST, _STEEPEST) for row in rows]
+    return np.exp(np.stack([np.interp(x, nodes, row) + slope * below
+                            for row, slope in zip(rows, slopes, strict=True)], axis=-1))

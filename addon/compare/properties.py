@@ -90,7 +90,7 @@ def off_specular(model, given, light_angle: float):
     The peak is that of f itself in the plane of incidence, the light fixed, as in Sawicki's figures 3 and 4: what a
     goniometer's radiance shows. A peak at the horizon is 90 degrees minus the light's angle.
     """
-    flattest = 1e-4  # cosine: below, the albedos that pumping divides by are held constant
+    flattest = 1e-4  # cosine: below, the albedos that pumping divides by are extrapolated
     angles = np.append(np.arange(0.0, 89.96, 0.05), np.degrees(np.arccos(flattest)))
     f = lobes.lobe(model, light_angle, angles, given)
     before, last = lobes.lobe(model, light_angle, np.degrees(np.arccos([10.0 * flattest, flattest])), given)

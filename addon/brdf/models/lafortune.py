@@ -7,6 +7,8 @@ from ..parameters import COSINE_LOBES, DIFFUSE, ESTIMATOR, SPECULAR
 from ..registry import register
 from ..samplers import AxisPower, Cosine, Mixture
 
+LARGEST = 1e30  # of a power: its base may be 1.44, and what passes this is no reflectance, but still a number
+
 LAFORTUNE = ("Lafortune, Foo, Torrance, Greenberg, Non-linear approximation of reflectance functions, SIGGRAPH 1997, "
              "eq. 8")
 
@@ -19,7 +21,8 @@ def lobe(view, light, p):
     for i in (1, 2, 3):
         n, scale = p[f"exponent_{i}"], p[f"weight_{i}"]
         generalised = np.maximum(p[f"cxy_{i}"] * across + p[f"cz_{i}"] * up, 0.0)
-        total += scale * (n + 2.0) / (2.0 * np.pi) * generalised**n
+        with np.errstate(over="ignore"):
+            total += scale * (n + 2.0) / (2.0 * np.pi) * np.minimum(generalised**n, LARGEST)
     return total
 
 

@@ -1,0 +1,61 @@
+"""What goes on inside a shader, made visible: its numbers rendered as emission, one sample a pixel or many.
+
+A pixel of one sample holds the numbers of one hit, in single precision; one of many their mean.
+"""
+from pathlib import Path
+
+import numpy as np
+
+from addon.verify import room, standards
+
+INCLUDE = Path(__file__).resolve().parents[1] / "osl" / "include"
+BROAD = 2e4  # metres: the side of the room's plane
+
+
+def headers(*names):
+    """The text of headers that include no other."""
+    return "".join((INCLUDE / name).read_text(encoding="utf-8") for name in names)
+
+
+def material(text, colour, before="", rest=""):
+    """A material that emits the OSL expression `colour` after the statements `before`, and the closures `rest`."""
+    body = f"{before} BSDF = color({colour}) * emission() {rest};"
+    return standards.material_of_source(f"{text}\nshader shown(output closure color BSDF = 0) {{ {body} }}\n", "Shown")
+
+
+def view_at(view_deg, azimuth_deg=0.0):
+    """The unit vector (3,) so many degrees from the normal and from the tangent."""
+    theta, phi = np.radians([view_deg, azimuth_deg])
+    return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
+
+
+class Square(room.Room):
+    """A room whose plane is a square of `side` metres, far from the origin by `away` along all axes.
+
+    `width` metres of it are seen, `view_deg` from its normal and `azimuth_deg` from its tangent, through a pixel filter
+    of `pixels` wide; `turned(place)` changes what else there is.
+    """
+
+    def __init__(self, subject, resolution, side=4.0, away=0.0, view_deg=0.0, azimuth_deg=0.0, width=1.0, pixels=1.5,
+                 turned=None):
+        super().__init__(subject, room.PLANE, resolution)
+        self.look_from(view_at(view_deg, azimuth_deg), width)
+        self.scene.cycles.filter_width = pixels
+        for corner in self.scene.objects["Plausible Subject"].data.vertices:
+            corner.co *= side / BROAD
+        if turned:
+            turned(self)
+        for thing in self.scene.objects:
+            thing.location = [place + away for place in thing.location]
+
+
+def shown(subject, resolution=1000, samples=1, seed=0, **scene):
+    """The picture (resolution, resolution, 3) of a `Square`."""
+    with Square(subject, resolution, **scene) as place:
+        return place.render(samples, seed)
+
+
+def perspective(place):
+    """A lens of 50 degrees, as far as it sees about as much."""
+    place.scene.camera.data.type = "PERSP"
+    place.scene.camera.data.angle = 2.0 * np.arctan(0.5 * place.scene.camera.data.ortho_scale / 10.0)

@@ -1,0 +1,58 @@
+"""Pairs of a view and a light, each measured in Cycles as one number: a sun of no size on a plane, a lens without
+perspective."""
+import numpy as np
+
+from addon.verify import Measurement, room
+
+
+def measured(material, views, lights, samples, seed=0, resolution=16) -> Measurement:
+    """f (N·L) of `material` for unit vectors (N, 3) each, z being the normal and x the tangent, and its standard error.
+
+    Its pixels are independent measurements of one number each: (N, 3) both.
+    """
+    rows = []
+    with room.Room(material, room.PLANE, resolution) as place:
+        sun = place.shine("SUN", (0.0, 0.0, 1.0), energy=room.SUN_ENERGY, angle=0.0)
+        for view, light in zip(views, lights, strict=True):
+            place.look_from(view)
+            place.aim(sun, light)
+            pixels = place.render(samples, seed).reshape(-1, 3) / np.pi
+            rows.append((pixels.mean(axis=0), pixels.std(axis=0, ddof=1) / np.sqrt(len(pixels))))
+    return Measurement(*map(np.array, zip(*rows, strict=True)))
+
+
+def until_sharp(material, views, lights, wanted, least=64, most=4096):
+    """`measured`, with as many more samples, up to `most`, as a noise below `wanted` (N,) needs.
+
+    A first look tells how many, and is not kept where it was too noisy: what it happened to show must not choose.
+    """
+    value, noise = measured(material, views, lights, least)
+    needed = np.minimum(least * (noise.max(axis=1) / (0.8 * wanted)) ** 2, most)
+    low = least
+    while low < most:
+        high = min(4 * low, most)
+        again = np.flatnonzero((needed > low) & (needed <= high))
+        if len(again):
+            samples = int(np.ceil(min(1.2 * needed[again].max(), most)))
+            value[again], noise[again] = measured(material, views[again], lights[again], samples, seed=1)
+        low = high
+    return Measurement(value, noise)
+
+
+def toward(angle_deg, azimuth_deg):
+    """Unit vectors (N, 3) so many degrees from the normal and from the tangent."""
+    theta, phi = np.radians(np.broadcast_arrays(angle_deg, azimuth_deg))
+    return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
+
+
+def peak(model, given, view, count=4000):
+    """Largest f (N·L) of a model's lights for one view (3,): over the upper half, and where its own samples are."""
+    rng = np.random.default_rng(3)
+    drawn = model.sample(view, rng.random((count, 2)), **given)
+    mu = (np.arange(60) + 0.5) / 60
+    even = toward(np.degrees(np.arccos(np.repeat(mu, 90))), np.tile(np.arange(90) * 4.0, 60))
+    mirrored = (view * [-1.0, -1.0, 1.0])[None]
+    light = np.concatenate([drawn[drawn[:, 2] > 0.0], even, mirrored, view[None]])
+    value = model.evaluate(view, light, **given)
+    value = value if value.ndim == 2 else value[:, None]
+    return float((value * light[:, 2:]).max())
