@@ -312,6 +312,8 @@ SHADERS = (
     Mutation("shader-same-hash-twice", f"{_INCLUDE}/random.h", "hashnoise(hit, 11.5 + apart)", "hashnoise(hit, apart)",
              _in("render", "test_point_by_point[pumped_phong-n=20 pumps=1 controlled-65.0]",
                  "test_sphere_under_a_sun[pumped_phong-n=7 pumps=2 plain]")),
+    Mutation("shader-third-hash", f"{_INCLUDE}/random.h", "hashnoise(hit, 23.5 +", "hashnoise(hit, 11.5 +",
+             _in("osl_random", "test_uniform_and_independent")),
     Mutation("shader-table-row", f"{_INCLUDE}/table.h", "int below = at + 4 * r.axes.columns;",
              "int below = at + 4 * (r.axes.columns - 1);", _PUMPED),
     Mutation("shader-pump-in-part", f"{_INCLUDE}/correction_pumped.h", "d *= share < 1.0 ? pow(m, share) : m;",
@@ -538,6 +540,8 @@ def main(argv=None) -> int:
     unknown = [name for name in arguments.names if name not in known]
     if unknown or arguments.workers < 1:
         parser.error(f"no mutation {', '.join(unknown)}; --list names them" if unknown else "--workers: at least 1")
+    if arguments.write and arguments.names:
+        parser.error("--write goes with all mutations: the page holds them all")
     chosen = [known[name] for name in arguments.names] or list(MUTATIONS)
     if arguments.list:
         print("\n".join(f"{mutation.name:34} {mutation.file}" for mutation in chosen))

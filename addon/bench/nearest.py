@@ -16,7 +16,7 @@ def natives(model, values) -> list:
     node for phong_ramp: Beckmann's microfacets stand beside it.
     """
     exponent = model.stand_in(values)[1]
-    alpha = min((2.0 / (exponent + 2.0)) ** 0.5, 1.0)
+    alpha = min(float(2.0 / (exponent + 2.0)) ** 0.5, 1.0)
     if model.base_family == "phong":
         closure, distribution = standards.phong(values["exponent"]), "BECKMANN"
     elif model.base_family == "blinn":

@@ -22,6 +22,7 @@ _ABOUT = {
     "Lumps narrower": made_of_lumps,
     "Materials carry the tables": lambda model: bool(model.tables),
     "Models that are baked": lambda model: model.baked,
+    "Pumped formulas": lambda model: model.baked and model.id.startswith("pumped_"),
     "NDF maps": lambda model: model.id == "ndf_map",
 }
 
