@@ -18,7 +18,9 @@ from addon.verify.comparison import SIGMAS
 pytestmark = pytest.mark.blender
 
 BLUR, NOISE = 0.02, 0.004  # of the peak, up to 65 degrees
-STEEP_BLUR, STEEP_NOISE = 0.05, 0.02  # beyond, where little light is grainy, and of lumps that leave the disk
+# Beyond, where little light is grainy; of lumps that leave the disk, and of the reciprocal one, which lies between two.
+STEEP_BLUR, STEEP_NOISE = 0.05, 0.02
+BLURRED = ("disk_orthogonal", "reciprocal_disk")
 WIDE = 65.0
 RANDOM, EVERYDAY = 16, 4  # pairs at random, of a proof and otherwise
 SHAPES = [
@@ -73,7 +75,7 @@ def held(model, given, count, seed=20):
     shape = formula_of(given)
     # Along and across: a round lobe's peak is that of the view's angle.
     peaks = np.array([peak(MODELS[model], shape, view) for view in views])[:, None]
-    steep = (views[:, 2] < np.cos(np.radians(WIDE))) | (model == "disk_orthogonal")
+    steep = (views[:, 2] < np.cos(np.radians(WIDE))) | (model in BLURRED)
     limit, wanted = (np.where(steep, a, b) for a, b in ((STEEP_BLUR, BLUR), (STEEP_NOISE, NOISE)))
     found, noise = until_sharp(create_material(model, **given), views, lights, wanted * peaks[:, 0], most=2048)
     value = MODELS[model].evaluate(views, lights, **shape)

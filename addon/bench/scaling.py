@@ -4,17 +4,18 @@ import numpy as np
 from .. import brdf
 from ..verify import plots, room
 from . import efficiency, nearest
+from .clock import milliseconds
 
 MODEL = "pumped_phong"
 SAMPLES, RESOLUTIONS, MATERIALS = (1, 2, 4, 8), (32, 64, 128, 256), (1, 2, 4, 8, 16, 32)
-SPP = 16
+PIXEL_SAMPLES = 0.3e6  # per second of effort: they take some microseconds each
 
 
 def measure(effort, progress, model=MODEL) -> dict:
-    """{samples, resolution, materials: rows}, each with `work` and milliseconds of processor time of ours and theirs.
+    """{samples, resolution, materials: rows}, each with `work` and the processor time of ours and of the closure.
 
-    By resolution it is the time per pixel and sample; by materials that of a whole render, `first` the one in which
-    Cycles loads them.
+    It is in milliseconds per million samples of a pixel; by materials there is also `ours_first` and `closure_first`,
+    milliseconds of the render in which Cycles loads and compiles them.
     """
     chosen = brdf.find_model(model)
     closure, _ = nearest.natives(chosen, chosen.resolve({}))
@@ -34,16 +35,19 @@ def measure(effort, progress, model=MODEL) -> dict:
 
 
 def _per_sample(mine, closure, resolution, effort):
-    """Milliseconds per million pixel samples of ours and of the closure, on a sphere under an HDRI."""
-    found = {}
-    spp = max(int(0.3e6 * effort.seconds) // resolution**2, 2)  # of some microseconds each
+    """Of ours and of the closure, on a sphere under an HDRI."""
     with _sphere(mine, resolution) as one, _sphere(closure, resolution) as other:
-        for name, place in (("ours", one), ("closure", other)):
-            place.render(1)
-            long = np.median([efficiency.timed(place, spp + 1, i)[0] for i in range(effort.repeats)])
-            short = np.median([efficiency.timed(place, 1, i)[0] for i in range(effort.repeats)])
-            found[name] = 1e9 * (long - short) / (spp * resolution**2)
-    return found
+        return {"ours": _per_million(one, effort), "closure": _per_million(other, effort)}
+
+
+def _per_million(place, effort):
+    """Milliseconds per million samples of a room's pixels, without what loading takes."""
+    pixels = place.resolution**2
+    spp = max(int(PIXEL_SAMPLES * effort.seconds) // pixels, 2)
+    place.render(1)
+    long = np.median([efficiency.timed(place, spp + 1, i)[0] for i in range(effort.repeats)])
+    short = np.median([efficiency.timed(place, 1, i)[0] for i in range(effort.repeats)])
+    return 1e9 * float(long - short) / (spp * pixels)
 
 
 def _sphere(candidate, resolution):
@@ -54,7 +58,7 @@ def _sphere(candidate, resolution):
 
 
 def _of_materials(model, closure, count, effort):
-    """Milliseconds of a render with `count` materials of ours (of as many exponents), and of copies of the closure."""
+    """Of `count` materials of ours, of as many exponents, on strips of a plane; and of copies of the closure."""
     exponents = np.geomspace(5.0, 500.0, count)
     mine = [nearest.ours(model, [f"exponent={float(n)!r}"], 4).material for n in exponents]
     theirs = [closure.material.copy() for _ in exponents]
@@ -64,18 +68,16 @@ def _of_materials(model, closure, count, effort):
             place.divide(materials)
             place.sky(1.0)
             place.look_from((0.0, 0.0, 1.0))
+            found[name] = _per_million(place, effort)
             place.scene.render.use_persistent_data = False
-            first = np.median([efficiency.timed(place, 1, i)[0] for i in range(effort.repeats)])
-            whole = np.median([efficiency.timed(place, SPP + 1, i)[0] for i in range(effort.repeats)])
-        found[name], found[f"{name}_first"] = 1e3 * (whole - first), 1e3 * first
+            found[f"{name}_first"] = milliseconds(lambda place=place: place.render(1), effort.repeats)
     return found
 
 
 def lines(report):
     yield f"{report['model']} beside {report['closure']}"
-    for key, unit in (("samples", "ms per million samples"), ("resolution", "ms per million samples"),
-                      ("materials", f"ms for {SPP} samples; loading")):
-        yield f"  {key} ({unit})"
+    for key in ("samples", "resolution", "materials"):
+        yield f"  {key} (ms per million samples{'; loading' if key == 'materials' else ''})"
         for row in report[key]:
             loading = f"   {row['ours_first']:7.0f} {row['closure_first']:7.0f}" if "ours_first" in row else ""
             yield (f"    {row['work']:6d} {row['ours']:9.0f} {row['closure']:9.0f}   "
@@ -83,21 +85,19 @@ def lines(report):
 
 
 def draw(report):
-    """Three panels, time over work on logarithmic axes."""
+    """Four panels: time per sample over each kind of work, and the time to load materials."""
     plt = plots._pyplot()
-    figure, axes = plt.subplots(1, 3, figsize=(12.0, 3.6), layout="constrained")
-    for axis, key, label in zip(axes, ("samples", "resolution", "materials"),
-                                ("samples per hit", "pixels across", "materials"), strict=True):
+    figure, axes = plt.subplots(1, 4, figsize=(13.0, 3.4), layout="constrained")
+    panels = (("samples", "", "samples per hit"), ("resolution", "", "pixels across"), ("materials", "", "materials"),
+              ("materials", "_first", "materials"))
+    for axis, (key, suffix, label) in zip(axes, panels, strict=True):
         rows = report[key]
-        for i, name in enumerate(("ours", "closure")):
-            title = report["model"] if name == "ours" else report["closure"]
-            axis.plot([r["work"] for r in rows], [r[name] for r in rows], "o-", color=plots.VIEWS[i], ms=4, label=title)
-            if key == "materials":
-                axis.plot([r["work"] for r in rows], [r[f"{name}_first"] for r in rows], "o--", ms=3,
-                          color=plots.VIEWS[i], label=f"{title}: loading")
-        axis.set(xscale="log", yscale="log", xlabel=label, xticks=[r["work"] for r in rows],
-                 xticklabels=[r["work"] for r in rows],
-                 ylabel=f"ms for {SPP} samples" if key == "materials" else "ms per million samples")
-        axis.minorticks_off()
+        for i, (name, title) in enumerate((("ours", report["model"]), ("closure", report["closure"]))):
+            axis.plot([r["work"] for r in rows], [r[name + suffix] for r in rows], "o-", color=plots.VIEWS[i], ms=4,
+                      label=title)
+        axis.set(xscale="log", xlabel=label, ylabel="ms to load" if suffix else "ms per million samples")
+        axis.set_xticks([r["work"] for r in rows], [r["work"] for r in rows])
+        axis.xaxis.minorticks_off()
+        axis.set_ylim(bottom=0.0)
         axis.legend(frameon=False, fontsize=8)
     return figure
