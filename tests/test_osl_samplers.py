@@ -307,7 +307,7 @@ PLANTED = {
                                         "rest_of_root(u, n + 1.0), M_2PI * v * v)")),
     "a wider lump": (*LUMPS[0], DISK, (r"(r2 = )(?=DRAWN_RADIUS)", r"\1 1.06 * ")),
     "cells not even in area": (*BAKED[0], CELL, (r"sqrt\(mix\(low \* low, high \* high, ring - i\)\)",
-                                                 "mix(low, high, ring - i)")),
+                                                 "mix(low, high, (ring - i) * (ring - i))")),
 }
 
 
