@@ -5,6 +5,7 @@ A pixel of one sample holds the numbers of one hit, in single precision; one of 
 from pathlib import Path
 
 import numpy as np
+from pairs import toward
 
 from addon.verify import room, standards
 
@@ -23,12 +24,6 @@ def material(text, colour, before="", rest=""):
     return standards.material_of_source(f"{text}\nshader shown(output closure color BSDF = 0) {{ {body} }}\n", "Shown")
 
 
-def view_at(view_deg, azimuth_deg=0.0):
-    """The unit vector (3,) so many degrees from the normal and from the tangent."""
-    theta, phi = np.radians([view_deg, azimuth_deg])
-    return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
-
-
 class Square(room.Room):
     """A room whose plane is a square of `side` metres, far from the origin by `away` along all axes.
 
@@ -39,7 +34,7 @@ class Square(room.Room):
     def __init__(self, subject, resolution, side=4.0, away=0.0, view_deg=0.0, azimuth_deg=0.0, width=1.0, pixels=1.5,
                  turned=None):
         super().__init__(subject, room.PLANE, resolution)
-        self.look_from(view_at(view_deg, azimuth_deg), width)
+        self.look_from(toward(view_deg, azimuth_deg), width)
         self.scene.cycles.filter_width = pixels
         for corner in self.scene.objects["Plausible Subject"].data.vertices:
             corner.co *= side / BROAD

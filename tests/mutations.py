@@ -554,7 +554,9 @@ def main(argv=None) -> int:
     left = [outcome for outcome in outcomes if not outcome.caught]
     print(f"{len(outcomes) - len(left)} of {len(outcomes)} mutations are caught")
     if arguments.write:
-        (ROOT / "docs" / "mutations.md").write_text(page(outcomes), encoding="utf-8")
+        from addon.baking.files import replace_text
+
+        replace_text(ROOT / "docs" / "mutations.md", page(outcomes))
     return 1 if left else 0
 
 

@@ -39,8 +39,8 @@ def until_sharp(material, views, lights, wanted, least=64, most=4096):
     return Measurement(value, noise)
 
 
-def toward(angle_deg, azimuth_deg):
-    """Unit vectors (N, 3) so many degrees from the normal and from the tangent."""
+def toward(angle_deg, azimuth_deg=0.0):
+    """Unit vectors (N, 3), or (3,), so many degrees from the normal and from the tangent."""
     theta, phi = np.radians(np.broadcast_arrays(angle_deg, azimuth_deg))
     return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
 

@@ -4,7 +4,6 @@ Truth is the quadrature with twice as many nodes each way, which two other integ
 """
 import os
 import tempfile
-import time
 import tracemalloc
 from pathlib import Path
 
@@ -125,10 +124,7 @@ def _table(name, albedos):
     """
     table = tables.in_use(name)
     rows = range(0, table.height, EVERY)
-    began = time.process_time()
-    for row in rows:
-        bake.bake_row((table, row))
-    spent = 1e3 * (time.process_time() - began) * table.height / len(rows)
+    spent = milliseconds(lambda: [bake.bake_row((table, row)) for row in rows], 1) * table.height / len(rows)
     image, metadata = exr.read(table.path)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "table.exr"

@@ -7,7 +7,7 @@ from ..fitting import match
 from ..shading import source
 from . import groups, osl, rebake, stand_in
 from .groups import model_of
-from .nodes import bake_weights, find_node, is_linked, is_stale, note_values, read, require, values, write
+from .nodes import bake_weights, carried, find_node, is_linked, is_stale, note_values, require, values, write
 from .replace import replace_node
 
 CYCLES_OUTPUT, STAND_IN_OUTPUT = "Cycles Output", "EEVEE Output"
@@ -104,9 +104,9 @@ def change_model(material, model_id: str, given: dict | None = None):
     """
     old, model = _node_of(material), brdf.find_model(model_id)
     before = groups.sockets(old)
-    kept = {p.id: p.clamp(read(before[p.id], p)) for p in model.parameters if p.id in before and p.evaluated}
     # What is baked is baked once, for the values that the node is going to have.
-    new = groups.add_node(material.node_tree, model, groups.lut_of(old.node_tree), kept if given is None else given)
+    wanted = carried(model, before) if given is None else given
+    new = groups.add_node(material.node_tree, model, groups.lut_of(old.node_tree), wanted)
     replace_node(old, before, new)
     for key, value in (given or {}).items():
         write(new, model.parameter(key), value)

@@ -50,6 +50,11 @@ def read(socket, parameter):
     return tuple(value)[:3] if parameter.kind in ("color", "vector") else value
 
 
+def carried(model, before: dict) -> dict:
+    """Values, by parameter id, that a node of `model` takes over from the sockets `before`, held to their ranges."""
+    return {p.id: p.clamp(read(before[p.id], p)) for p in model.parameters if p.evaluated and p.id in before}
+
+
 def write(node, parameter, value):
     """Write a parameter's socket and nothing else.
 

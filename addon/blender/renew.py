@@ -31,8 +31,8 @@ def lost_shader(node) -> bool:
 
 
 def can_renew(node) -> bool:
-    """Whether a fresh node can take the place of one that has a complaint."""
-    return complaint(node) != "" and groups.named_model(node.node_tree) is not None
+    """Whether a fresh node can take the place of one that is `broken`: its model is known."""
+    return groups.named_model(node.node_tree) is not None
 
 
 def broken(material) -> list:
@@ -49,8 +49,7 @@ def renew(old):
     tree, model = old.node_tree, groups.named_model(old.node_tree)
     before = groups.sockets(old) if groups.model_of(old) else _by_label(old, model)
     # What is baked is baked for the values that the node is going to have.
-    kept = {p.id: p.clamp(nodes.read(before[p.id], p)) for p in model.parameters if p.evaluated and p.id in before}
-    new = groups.add_node(old.id_data, model, groups.lut_of(tree), kept)
+    new = groups.add_node(old.id_data, model, groups.lut_of(tree), nodes.carried(model, before))
     replace_node(old, before, new)
     nodes.note_values(new)
 

@@ -10,6 +10,7 @@ from ..baking.files import replace_text, replacing
 from ..bench import efficiency
 from ..cli import CommandError, require
 from ..verify import room
+from . import furnace
 
 PARTS = "\n".join(f"  {name:10} {what}" for name, what in bench.PARTS.items())
 DESCRIPTION = ("Measure what rendering, baking and waiting cost, side by side with what there is: ratios in one run, "
@@ -56,7 +57,8 @@ def run(arguments):
     for name in parts:
         part = importlib.import_module(f"..bench.{name}", __package__)
         effort = bench.QUICK if arguments.quick else bench.USUAL
-        reports[name] = part.measure(effort, _progress(name), **_options(name, arguments))
+        progress = furnace.progress(f"bench, {name}", what="step")
+        reports[name] = part.measure(effort, progress, **_options(name, arguments))
         if not arguments.json:
             print("\n".join([f"{name}: {bench.PARTS[name]}", *part.lines(reports[name]), ""]), flush=True)
         if arguments.output:
@@ -71,15 +73,6 @@ def _options(name, arguments):
         options.update(scenes=arguments.scenes, samples=arguments.samples, assignments=arguments.assignments,
                        hdri=arguments.hdri, resolution=arguments.resolution)
     return options
-
-
-def _progress(name):
-    """A function (done, total) that keeps one line on a terminal up to date; elsewhere it says nothing."""
-    def show(done, total):
-        if sys.stderr.isatty():
-            print(f"\rbench, {name}: {done} of {total}", end="\n" if done == total else "", file=sys.stderr, flush=True)
-
-    return show
 
 
 def _blender():

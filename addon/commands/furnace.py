@@ -104,14 +104,14 @@ def find_subject(arguments) -> subject.Subject:
         raise CommandError(str(error)) from error
 
 
-def progress(name, always=False):
+def progress(name, always=False, what="render"):
     """A function (done, total) that keeps one line on a terminal up to date; elsewhere it says nothing, or, where
-    `always` is set, a line each time."""
+    `always` is set, a line each time. `what` is what is counted."""
     def show(done, total):
         if always:
-            print(f"{name}: render {done} of {total}", file=sys.stderr, flush=True)
+            print(f"{name}: {what} {done} of {total}", file=sys.stderr, flush=True)
         elif sys.stderr.isatty():
-            print(f"\r{name}: render {done} of {total}", end="\n" if done == total else "", file=sys.stderr, flush=True)
+            print(f"\r{name}: {what} {done} of {total}", end="\n" if done == total else "", file=sys.stderr, flush=True)
 
     return show
 

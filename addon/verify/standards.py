@@ -93,12 +93,8 @@ def microfacet(distribution: str, alpha: float) -> Standard:
 
 def native(distribution: str, roughness: float = 0.0, reflectance: float = 1.0):
     """A new material of one of Cycles' own nodes: "DIFFUSE", or a Glossy of that `distribution`, as "GGX"."""
-    bpy = require_blender()
-    material = bpy.data.materials.new(f"Native {distribution.title()}")
-    if material.node_tree is None:
-        material.use_nodes = True
+    material = _blank(f"Native {distribution.title()}")
     nodes = material.node_tree.nodes
-    nodes.clear()
     node = nodes.new("ShaderNodeBsdfDiffuse" if distribution == "DIFFUSE" else "ShaderNodeBsdfAnisotropic")
     node.inputs["Color"].default_value = (reflectance, reflectance, reflectance, 1.0)
     node.inputs["Roughness"].default_value = roughness
@@ -114,7 +110,7 @@ def material_of_source(source: str, name: str):
 
     The compiled shader is put into the node by hand: the wheels of bpy cannot query a shader for its sockets.
     """
-    bpy = require_blender()
+    require_blender()
     import _cycles
 
     with tempfile.TemporaryDirectory() as folder, quiet():
@@ -123,15 +119,21 @@ def material_of_source(source: str, name: str):
         if not _cycles.osl_compile(str(written), str(compiled)):
             raise RoomError(f"{name}: the OSL source does not compile")
         bytecode = compiled.read_text()
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:
-        material.use_nodes = True
+    material = _blank(name)
     nodes = material.node_tree.nodes
-    nodes.clear()
     script, output = nodes.new("ShaderNodeScript"), nodes.new("ShaderNodeOutputMaterial")
     script.mode = "INTERNAL"
     script.bytecode = bytecode
     script.bytecode_hash = hashlib.md5(bytecode.encode(), usedforsecurity=False).hexdigest()
     socket = script.outputs.new("NodeSocketShader", "BSDF", identifier="BSDF")
     material.node_tree.links.new(socket, output.inputs["Surface"])
+    return material
+
+
+def _blank(name):
+    """A new material whose node tree is empty."""
+    material = require_blender().data.materials.new(name)
+    if material.node_tree is None:
+        material.use_nodes = True
+    material.node_tree.nodes.clear()
     return material
