@@ -31,9 +31,10 @@ def no_weights(monkeypatch):
     from addon.blender import cache
 
     monkeypatch.setattr(cache, "_memory", {})
-    few = weights.Weights(weights.ROUND, np.zeros((1, 1)), np.zeros((0, 3)), 1, np.zeros(1))
+    tiny = weights.Layout(views=1, azimuths=1, turns=1, cell_rings=1, cell_turns=1)
+    few = weights.Weights(tiny, np.zeros((1, weights.numbers(tiny, 1))), np.zeros((0, 3)), 1, np.zeros(1))
     known = weights_error.WeightsError(np.zeros(1), np.array([0.012]), np.array([-0.001]))
-    monkeypatch.setattr(weights, "weights", lambda model, parameters: few)
+    monkeypatch.setattr(weights, "weights", lambda *_: few)
     monkeypatch.setattr(weights_error, "error", lambda model, parameters: known)
 
 

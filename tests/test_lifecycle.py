@@ -182,12 +182,17 @@ def test_a_link_drives_the_exponent(bpy):
     assert lit_plane(material) == pytest.approx([expected] * 3, abs=0.005)
 
 
-def test_keyframes_of_what_is_baked_are_told(bpy):
-    from addon.blender import groups
+def test_keyframes_of_what_is_baked(bpy, no_weights):
+    """They are baked over the range that is seen in them, or that is chosen; before that they are told."""
+    from addon.blender import groups, nodes
 
     material = create_material("blinn_fresnel", exponent=20.0)
     groups.sockets(node_in(material))["exponent"].keyframe_insert("default_value", frame=1)
-    assert "cannot follow what animates Exponent" in texts(drawn(context_for(bpy, material)))
+    assert "The weights are for other values" in texts(drawn(context_for(bpy, material)))
+    assert tuple(material.plausible_brdf.cosine_microfacet_exponent_range) == (5.0, 80.0)  # one keyframe tells none
+    material.plausible_brdf.cosine_microfacet_exponent_range = (30.0, 10.0)
+    assert nodes.driven(node_in(material)) == {"exponent": (10.0, 30.0)} and not nodes.is_stale(node_in(material))
+    assert "Baked over ranges of Exponent" in texts(drawn(context_for(bpy, material)))
 
 
 def test_a_node_edited_by_hand(bpy):

@@ -104,13 +104,13 @@ def test_convert_keeps_the_width_of_the_lobe(bpy, no_weights, capsys):
 
 def test_convert_bakes_once_and_holds_at_the_end_of_a_range(bpy, monkeypatch, no_weights, capsys):
     from addon.baking import weights
-    from addon.blender import materials
+    from addon.blender import materials, nodes
 
     baked, few = [], weights.weights(None, None)
     monkeypatch.setattr(weights, "weights", lambda model, parameters: baked.append((model.id, parameters)) or few)
     node, words = converted(bpy, make("blinn", exponent=50.0), "cook_torrance", capsys)
     ((model_id, parameters),) = baked
-    assert model_id == "cook_torrance" and not materials.is_stale(node)
+    assert model_id == "cook_torrance" and not nodes.is_stale(node)
     assert parameters["roughness"] == pytest.approx(materials.values(node)["roughness"], rel=1e-6)
     assert "Warning" not in words and "Slope m 0.18" in words
     node, words = converted(bpy, make("blinn", exponent=4.0), "reciprocal_disk", capsys)

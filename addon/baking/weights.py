@@ -99,31 +99,70 @@ class Weights:
     channels: int
     left: np.ndarray
 
+    @property
+    def energies(self):
+        """Energies of the cells, (rows, cells, channels)."""
+        return self.rows[:, sum(_sizes(self.layout)) :].reshape(len(self.rows), -1, self.channels)
 
-def weights(model, parameters: dict) -> Weights:
+    @property
+    def brightness(self) -> float:
+        """About how much light it reflects in all, over views: 0 where it is black."""
+        facets = self.rows[:, 1 : 1 + FACETS * FACET].reshape(len(self.rows), FACETS, FACET)[..., 4:].sum(axis=1)
+        flat = self.rows[:, 1 + FACETS * FACET : 4 + FACETS * FACET]
+        spike = self.spikes.mean() if len(self.spikes) else 0.0
+        return float((facets + flat).max(axis=1).mean() + self.rows[:, 0].mean() + spike)
+
+    def with_channels(self, channels: int) -> "Weights":
+        """The same with `channels` for each energy; 1 is for what is gray."""
+        if channels == self.channels:
+            return self
+        energies = self.energies[..., :1].repeat(channels, axis=-1).reshape(len(self.rows), -1)
+        rows = np.concatenate([self.rows[:, : sum(_sizes(self.layout))], energies], axis=1)
+        return replace(self, rows=rows, channels=channels)
+
+
+def weights(model, parameters: dict, layout: Layout | None = None) -> Weights:
     """Weights of a model for its parameters, in the precision of sockets; the last few are kept.
 
+    Without a `layout` it is what the parameters ask for; one that is given has its stretch from them all the same.
     Raises ValueError where the formula gives what is no reflectance: numbers that are negative or not finite.
     """
     p = model.resolve(parameters)
     used = [q for q in model.parameters if q.evaluated]
     key = tuple(sorted((q.id, q.single(p[q.id])) for q in used))
-    return _weights(model, key, tuple(q.stamp(p[q.id]) for q in used))
+    return _weights(model, key, tuple(q.stamp(p[q.id]) for q in used), layout and replace(layout, stretch=(1.0, 1.0)))
+
+
+def layout_of(model, p, common: Layout | None = None) -> Layout:
+    """The layout that resolved parameters ask for, or `common` with its stretch for them."""
+    if model.mirrored:
+        return common or (PAINTED if model.mirrored(p) else PAINTED_WHOLE)
+    stretch = model.stretched(p) if model.stretched else (1.0, 1.0)
+    return replace(common or (ROUND if stretch[0] == stretch[1] else STRETCHED), stretch=stretch)
+
+
+def common_layout(model, several) -> Layout:
+    """The layout that can hold weights for `several` resolved parameters: the one of most azimuths."""
+    return max((layout_of(model, p) for p in several), key=lambda layout: layout.azimuths)
+
+
+def numbers(layout: Layout, channels: int) -> int:
+    """How many numbers the rows of a layout are."""
+    return layout.azimuths * layout.views * (sum(_sizes(layout)) + layout.cell_rings * layout.cell_turns * channels)
 
 
 def blank(model, parameters: dict) -> Weights:
     """Weights of the form that a model's have, all zero: for what only asks whether its shader compiles."""
-    layout = _layout(model, model.resolve(parameters))
-    size = sum(_sizes(layout)) + layout.cell_rings * layout.cell_turns
+    layout = layout_of(model, model.resolve(parameters))
     spikes = np.zeros((((layout.views - 1) * SPIKES + 1) if model.spike else 0, 3))
-    rows = np.zeros((layout.azimuths * layout.views, size))
+    rows = np.zeros((layout.azimuths * layout.views, numbers(layout, 1) // (layout.azimuths * layout.views)))
     return Weights(layout, rows, spikes, 1, rows[:, 0])
 
 
 @lru_cache(maxsize=32)
-def _weights(model, key, _):
+def _weights(model, key, _, common):
     p = model.resolve(dict(key))
-    layout = _layout(model, p)
+    layout = layout_of(model, p, common)
     looks = [Look.at(model, p, view, layout) for view in layout.seen_from()]
     share = _fitted(looks)
     rows = [_row(look, weight) for look, weight in zip(looks, share, strict=True)]
@@ -134,13 +173,6 @@ def _weights(model, key, _):
         spikes = model.spike(np.cos(between), p)
     return Weights(layout, np.array([row for row, _ in rows]), spikes, looks[0].density.shape[-1],
                    np.array([left for _, left in rows]))
-
-
-def _layout(model, p):
-    if model.mirrored:
-        return PAINTED if model.mirrored(p) else PAINTED_WHOLE
-    stretch = model.stretched(p) if model.stretched else (1.0, 1.0)
-    return ROUND if stretch[0] == stretch[1] else replace(STRETCHED, stretch=stretch)
 
 
 @dataclass(frozen=True)
@@ -358,8 +390,8 @@ def _from_below(basis, target, area, steps=STEPS):
     """
     views, count, _ = basis.shape
     weight = np.zeros((views, count))
-    small = 5e-4 * target.max(axis=1, keepdims=True) + 0.01 * target
-    importance = area / np.maximum(target, 1e-3 * target.max(axis=1, keepdims=True))
+    small = 5e-4 * target.max(axis=1, keepdims=True) + 0.01 * target + 1e-12
+    importance = area / np.maximum(target, np.maximum(1e-3 * target.max(axis=1, keepdims=True), 1e-12))
     for _ in range(steps):
         gram = ((basis * importance[:, None]) @ basis.transpose(0, 2, 1)).astype(np.float64)
         right = (basis @ (importance * target)[..., None])[..., 0].astype(np.float64)

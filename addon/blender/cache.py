@@ -57,10 +57,14 @@ def _attempt(action):
         return None
 
 
-def key(model, parameters: dict, what: str) -> str:
-    """The key of `what` is baked of a model for its parameters: it changes with all that decides the outcome."""
-    p = model.resolve(parameters)
-    used = [(q.id, q.single(p[q.id]), q.stamp(p[q.id])) for q in model.parameters if q.evaluated]
+def key(model, parameters: dict, what: str, driven: dict | None = None) -> str:
+    """The key of `what` is baked of a model for its parameters: it changes with all that decides the outcome.
+
+    Of parameters that are `driven`, {id: (least, most)}, the values do not.
+    """
+    p, driven = model.resolve(parameters), driven or {}
+    used = [(q.id, tuple(driven[q.id]) if q.id in driven else (q.single(p[q.id]), q.stamp(p[q.id])))
+            for q in model.parameters if q.evaluated]
     text = repr((what, model.id, used, bpy.app.version[:2], _version()))
     return hashlib.sha256(text.encode()).hexdigest()
 

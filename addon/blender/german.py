@@ -103,7 +103,10 @@ GERMAN = {
     "Albedo by the angle of the view, gray before pumping": "Albedo nach dem Blickwinkel, grau vor dem Aufpumpen",
     "Baked: up to 80° lobes are within {lobe} %, their light within {albedo} %":
         "Gebacken: bis 80° stimmen Keulen auf {lobe} %, ihr Licht auf {albedo} %",
+    "Baked over ranges of {names}: up to 80° lobes are within {lobe} %, their light within {albedo} %":
+        "Über Bereiche gebacken von {names}: bis 80° stimmen Keulen auf {lobe} %, ihr Licht auf {albedo} %",
     "Baking the weights for these values": "Gewichte für diese Werte werden gebacken",
+    "Baking the weights over ranges": "Gewichte werden über Bereiche gebacken",
     "Blender {version} is too old: this needs 4.2 or later": "Blender {version} ist zu alt: nötig ist 4.2 oder neuer",
     "Cycles renders the native approximation in place of the model":
         "Cycles rendert die native Näherung anstelle des Modells",
@@ -161,13 +164,6 @@ GERMAN = {
         "Der Node wurde bearbeitet, und sein Shader fehlt oder ist beschädigt",
     "The node was edited and lacks {names}": "Der Node wurde bearbeitet, und ihm fehlt {names}",
     "The weights are for other values": "Die Gewichte gelten für andere Werte",
-    "This model is baked for one value of each parameter and cannot follow what animates {names}: it renders striped":
-        "Dieses Modell ist für einen Wert jedes Parameters gebacken und kann dem nicht folgen, was {names} animiert: "
-        "es rendert gestreift",
-    "This model is baked for one value of each parameter and cannot follow what is plugged into {names}: it renders "
-    "striped":
-        "Dieses Modell ist für einen Wert jedes Parameters gebacken und kann dem nicht folgen, was in {names} "
-        "eingesteckt ist: es rendert gestreift",
     "Too noisy to tell: at most {most:.4f} off, at {view:g}°":
         "Zu verrauscht für ein Urteil: höchstens {most:.4f} daneben, bei {view:g}°",
     "Upgraded to {version}: {names}. The file on disk is as it was until you save":

@@ -148,13 +148,15 @@ def lacking(tree) -> list:
     return [name for name in (BSDF, STAND_IN) if name not in fed]
 
 
-def load(node, parameters: dict | None = None):
-    """Put freshly compiled bytecode into a node, for `parameters` where its model is baked; sockets and links stay.
+def load(node, parameters: dict | None = None, driven: dict | None = None):
+    """Put freshly compiled bytecode into a node; sockets and links stay.
+
+    Where its model is baked it is so for `parameters`, and for the ranges of those `driven`.
 
     A group that other nodes use, too, is left to them, and the node gets a copy. Raises as `osl.compile_model`.
     """
     model = model_of(node)
-    bytecode = osl.compile_model(model, lut_of(node.node_tree), parameters)
+    bytecode = osl.compile_model(model, lut_of(node.node_tree), parameters, driven)
     if script_of(node).bytecode != bytecode:
         if model.baked:
             own(node)

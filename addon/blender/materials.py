@@ -5,9 +5,9 @@ from .. import brdf
 from ..brdf import tables
 from ..fitting import match
 from ..shading import source
-from . import groups, osl, rebake, stand_in
+from . import groups, nodes, osl, rebake, stand_in
 from .groups import model_of
-from .nodes import bake_weights, carried, find_node, is_linked, is_stale, note_values, require, values, write
+from .nodes import carried, find_node, is_linked, note_values, require, values, write
 from .replace import replace_node
 
 CYCLES_OUTPUT, STAND_IN_OUTPUT = "Cycles Output", "EEVEE Output"
@@ -72,12 +72,16 @@ def set_values(node, new: dict):
     material = next((m for m in bpy.data.materials if m.node_tree == node.id_data), None)
     if material is not None:  # a node inside a group has no one material
         update_viewport(material)
-    if not is_stale(node):
-        return
-    if bpy.app.background or material is None:
-        bake_weights(node)
-    else:
-        rebake.soon(material)
+    rebake.where_stale(node)
+
+
+def set_range(node, parameter, least: float, most: float):
+    """Choose what a parameter is baked over where it is driven; the weights follow as in `set_values`.
+
+    Raises ValueError for a range that is none.
+    """
+    nodes.set_range(node, parameter, least, most)
+    rebake.where_stale(node)
 
 
 def update_viewport(material):
@@ -112,6 +116,7 @@ def change_model(material, model_id: str, given: dict | None = None):
         write(new, model.parameter(key), value)
     note_values(new)
     update_viewport(material)
+    rebake.where_stale(new)  # links that stay are baked over ranges
 
 
 def convert(material, model_id: str):

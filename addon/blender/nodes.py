@@ -2,15 +2,18 @@
 import json
 
 import bpy
+import numpy as np
 
-from ..baking import weights_error
+from ..baking import ranges, weights_error
 from . import cache, groups, osl, stand_in
 from .groups import model_of
 from .replace import curves
 from .words import say
 
 BAKED_KEY = "plausible_baked"  # of a group: the values that the weights of a baked model were made for
+RANGES_KEY = "plausible_ranges"  # of a group: {parameter: [least, most]} that driven ones stay within, as JSON
 ERROR_KEY = "plausible_baked_error"  # of these weights: largest errors of the lobe and of the albedo up to 80 degrees
+_FRAMES = 65  # of an animation, at which it is looked up how far it goes
 
 
 def trees() -> list:
@@ -104,18 +107,35 @@ def is_stale(node) -> bool:
     """
     if not model_of(node).baked:
         return False
-    then, files = _baked_for(node.node_tree)
-    now, files_now = json.loads(_values_text(node))
+    *then, files = _baked_for(node.node_tree)
+    *now, files_now = _read_noted(_noted(node, driven(node)))
     return then != now or any(files.get(name, stamp) != stamp for name, stamp in files_now.items() if stamp)
 
 
 def _baked_for(tree):
-    """(values, {parameter: stamp of its file}) that a group's weights are for; (None, {}) where it is not known."""
+    """(values, ranges of the driven, {parameter: stamp of its file}) that a group's weights are for.
+
+    (None, {}, {}) where it is not known.
+    """
     try:
-        values, files = json.loads(groups.text_of(tree, BAKED_KEY))
+        return _read_noted(groups.text_of(tree, BAKED_KEY))
     except (TypeError, ValueError):  # nothing is written there, or by hand
-        return None, {}
-    return (values, files) if isinstance(files, dict) else (None, {})
+        return None, {}, {}
+
+
+def _noted(node, driven):
+    """What weights are for, as text: values that do not change, stamps of files, ranges of the `driven`."""
+    given = {name: value for name, value in values(node).items() if name not in driven}
+    stamps = {p.id: p.stamp(given[p.id]) for p in model_of(node).parameters if p.kind == "image"}
+    return json.dumps([given, stamps, driven])
+
+
+def _read_noted(text):
+    """(values, ranges, stamps) of `_noted`; files of older versions know no ranges. Raises TypeError, ValueError."""
+    given, stamps, moved = [*json.loads(text), {}][:3]
+    if not isinstance(stamps, dict) or not isinstance(moved, dict):
+        raise ValueError(text)
+    return given, moved, stamps
 
 
 def baked_error(node):
@@ -123,41 +143,90 @@ def baked_error(node):
     return groups.pair_of(node.node_tree.get(ERROR_KEY))
 
 
-def driven(node) -> list:
-    """Labels of parameters that a link drives although the node's weights are for one value of each."""
-    model, held = model_of(node), groups.sockets(node)
-    return [p.label for p in model.parameters
-            if model.baked and p.evaluated and p.id in held and held[p.id].is_linked]
-
-
-def animated(node) -> list:
-    """Labels of parameters that keyframes or drivers change although the node's weights are for one value of each."""
+def driven(node) -> dict:
+    """{parameter id: (least, most)} of what links, drivers or keyframes change of a baked model: see `range_of`."""
     model = model_of(node)
     if not model.baked:
-        return []
+        return {}
     held = groups.sockets(node)
-    paths = {curve.data_path for curve in curves(node.id_data)}
-    return [p.label for p in model.parameters if p.evaluated and p.id in held
-            and f"{held[p.id].path_from_id()}.default_value" in paths]
+    moved = {curve.data_path for curve in curves(node.id_data)}
+    return {p.id: range_of(node, p) for p in model.parameters if p.can_be_driven and p.id in held
+            and (held[p.id].is_linked or _path(held[p.id]) in moved)}
+
+
+def range_of(node, parameter) -> tuple:
+    """(least, most) that a parameter of a baked model is baked over where it is driven.
+
+    It is what was chosen for it, else what its keyframes reach, else about the value that its socket has.
+    """
+    chosen = groups.pair_of(_ranges(node.node_tree).get(parameter.id))
+    try:
+        return ranges.check(parameter, *(chosen or _reach(node, parameter)))
+    except (TypeError, ValueError):  # written by hand, or keyframes that are all alike
+        return parameter.usual_range(parameter.clamp(get_value(node, parameter)))
+
+
+def set_range(node, parameter, least: float, most: float):
+    """Choose what a parameter is baked over where it is driven. Raises ValueError as `baking.ranges.check`."""
+    chosen = {parameter.id: ranges.check(parameter, least, most)}
+    groups.own(node)
+    node.node_tree[RANGES_KEY] = json.dumps({**_ranges(node.node_tree), **chosen})
+
+
+def _ranges(tree):
+    """The ranges that were chosen; what is written by hand and is none counts for nothing."""
+    try:
+        found = json.loads(groups.text_of(tree, RANGES_KEY))
+    except ValueError:
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _path(socket):
+    return f"{socket.path_from_id()}.default_value"
+
+
+def _reach(node, parameter):
+    """(least, most) value of a parameter's keyframes; None, None without any."""
+    path = _path(socket_of(node, parameter))
+    values = [curve.evaluate(frame) for curve in curves(node.id_data) if curve.data_path == path and not curve.driver
+              and len(curve.keyframe_points) and curve.array_index < 3
+              for frame in np.linspace(*curve.range(), _FRAMES)]
+    held = [min(max(value, parameter.minimum), parameter.maximum) for value in values]
+    return (min(held), max(held)) if held else (None, None)
+
+
+def wanted(node) -> tuple:
+    """(values, ranges of the driven) that a node's weights ought to be for."""
+    moved = driven(node)
+    return {name: value for name, value in values(node).items() if name not in moved}, moved
 
 
 def bake_weights(node, error: tuple | None = None):
-    """Bake a node's weights for the values of its sockets; `error` is that of the weights if it is known.
+    """Bake a node's weights for the values of its sockets, and over ranges of what is driven.
 
-    Raises ValueError, osl.OslError as `create_material`.
+    `error` is that of the weights if it is known. Raises ValueError, osl.OslError as `create_material`.
     """
-    groups.load(node, values(node))
-    note_values(node, error)
+    given, moved = wanted(node)
+    groups.load(node, given, moved)
+    note_values(node, error, moved)
 
 
-def note_values(node, error: tuple | None = None):
-    """Remember what a baked model's weights, just put into its node, are for, and show it in the stand-in."""
+def note_values(node, error: tuple | None = None, moved: dict | None = None):
+    """Remember what a baked model's weights, just put into its node, are for, and show it in the stand-in.
+
+    `moved` are the ranges of what is driven.
+    """
     model = model_of(node)
     if model.baked:
-        given = values(node)
-        node.node_tree[BAKED_KEY] = _values_text(node)
-        node.node_tree[ERROR_KEY] = cache.fetch(cache.key(model, given, "error"), lambda: error or weights_error.error(
-            model, given).largest())
+        given, tree = values(node), node.node_tree
+        tree[BAKED_KEY] = _noted(node, moved or {})
+        # What keyframes reach is looked up again when they change; a driver's value is another at every frame.
+        kept = {name: each for name, each in (moved or {}).items() if _reach(node, model.parameter(name))[0] is None}
+        if kept:
+            tree[RANGES_KEY] = json.dumps({**_ranges(tree), **kept})
+        tree[ERROR_KEY] = cache.fetch(cache.key(model, given, "error", moved),
+                                      lambda: error or weights_error.largest(model, given, moved))
         show(node)
 
 
@@ -167,9 +236,3 @@ def show(node):
         stand_in.write(node, model_of(node), values(node))
     except ValueError as error:  # an image that cannot be read
         print(f"Plausible BRDF: {node.name}: {error}")
-
-
-def _values_text(node):
-    given = values(node)
-    stamps = {p.id: p.stamp(given[p.id]) for p in model_of(node).parameters if p.kind == "image"}
-    return json.dumps([given, stamps])

@@ -6,7 +6,7 @@ import bpy
 from ..brdf import MODELS
 from ..brdf.metals import METALS
 from ..brdf.presets import PRESETS
-from . import icons, materials, nodes, osl, settings, upgrade
+from . import icons, materials, nodes, osl, rebake, settings, upgrade
 from .properties import MODEL_ITEMS
 
 _PRESET_ITEMS = [(name, preset.label, preset.help, i) for i, (name, preset) in enumerate(PRESETS.items())]
@@ -224,14 +224,31 @@ class PLAUSIBLE_MT_convert(bpy.types.Menu):
 
 
 class PLAUSIBLE_OT_bake_weights(OnMaterial, bpy.types.Operator):
-    """Bake the weights that the material renders by for the values that its sockets hold, which takes some seconds"""
+    """Bake the weights that the material renders by, for the values that its sockets hold and over ranges of those that
+    links, drivers or keyframes change. It takes some seconds, and Blender stays usable"""
 
     bl_idname = "plausible.bake_weights"
     bl_label = "Bake Weights"
 
     @reporting
     def execute(self, context):
-        nodes.bake_weights(plausible_node(material_of(context))[0])
+        material = material_of(context)
+        if bpy.app.background:
+            nodes.bake_weights(plausible_node(material)[0])
+        else:
+            rebake.soon(material)
+        return {"FINISHED"}
+
+
+class PLAUSIBLE_OT_cancel_weights(OnMaterial, bpy.types.Operator):
+    """End the bake of these weights; the material keeps those that it has"""
+
+    bl_idname = "plausible.cancel_weights"
+    bl_label = "Cancel"
+    bl_options = {"INTERNAL"}
+
+    def execute(self, context):
+        rebake.cancel(material_of(context))
         return {"FINISHED"}
 
 
@@ -306,6 +323,6 @@ class PLAUSIBLE_OT_update_materials(bpy.types.Operator):
 CLASSES = (
     PLAUSIBLE_OT_new_material, PLAUSIBLE_OT_use_osl, PLAUSIBLE_OT_set_metal, PLAUSIBLE_MT_metals,
     PLAUSIBLE_OT_apply_preset, PLAUSIBLE_OT_convert, PLAUSIBLE_MT_convert, PLAUSIBLE_OT_bake_weights,
-    PLAUSIBLE_MT_presets, *_GROUP_MENUS,
-    PLAUSIBLE_OT_upgrade, PLAUSIBLE_OT_update_materials,
+    PLAUSIBLE_OT_cancel_weights, PLAUSIBLE_MT_presets, *_GROUP_MENUS, PLAUSIBLE_OT_upgrade,
+    PLAUSIBLE_OT_update_materials,
 )

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 
-from ..baking import weights
+from ..baking import ranges, weights
 from ..shading import source
 from . import cache
 
@@ -31,8 +31,9 @@ def unavailable() -> str | None:
     return None
 
 
-def compile_model(model, lut: str = source.COMPILED, parameters: dict | None = None) -> str:
-    """Bytecode of a model's shader, for its `parameters` where it is baked for them.
+def compile_model(model, lut: str = source.COMPILED, parameters: dict | None = None,
+                  driven: dict | None = None) -> str:
+    """Bytecode of a model's shader; of a baked model for its `parameters`, and the ranges of those `driven`.
 
     Raises OslError when it cannot be compiled, brdf.TableError for a bad table.
     """
@@ -40,20 +41,20 @@ def compile_model(model, lut: str = source.COMPILED, parameters: dict | None = N
     if reason:
         raise OslError(reason)
     if model.baked:
-        return cache.fetch(cache.key(model, parameters or {}, "shader"),
-                           lambda: compile_text(model, source.assemble(model, lut, parameters)))
+        return cache.fetch(cache.key(model, parameters or {}, "shader", driven),
+                           lambda: compile_text(model, source.assemble(model, lut, parameters, driven)))
     return _compiled_once(model, source.assemble(model, lut, parameters))
 
 
-def is_kept(model, parameters: dict) -> bool:
+def is_kept(model, parameters: dict, driven: dict | None = None) -> bool:
     """Whether the shader of a baked model for its parameters is at hand, so that `compile_model` takes no time."""
-    return cache.holds(cache.key(model, parameters, "shader")) and cache.holds(cache.key(model, parameters, "error"))
+    return all(cache.holds(cache.key(model, parameters, what, driven)) for what in ("shader", "error"))
 
 
 def check_model(model):
     """Compile a model's shader without what is baked for its parameters. Raises as `compile_model`."""
     if model.baked:
-        _compiled_once(model, source.assemble(model, baked=weights.blank(model, {})))
+        _compiled_once(model, source.assemble(model, baked=ranges.Sets((), (weights.blank(model, {}),))))
     else:
         compile_model(model)
 

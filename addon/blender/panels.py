@@ -6,12 +6,13 @@ import bpy
 from ..brdf.disk_model import DiskModel
 from ..brdf.parameters import COLOR, LOBE, RETROREFLECTION
 from . import bakes, icons, luts, rebake, status, switches
-from .nodes import animated, baked_error, driven, is_linked, is_stale, socket_of, values
+from .nodes import baked_error, driven, is_linked, is_stale, model_of, socket_of, values
 from .operators import material_of, plausible_node
-from .properties import NAMES
+from .properties import NAMES, RANGES
 from .words import look_up, say
 
 _AT_GRAZING = {"grazing_exponent", "retro_grazing_exponent"}  # read where exponents vary with the angle
+_COARSE = 0.1  # error of a lobe above which it is no longer what its parameters say
 _METAL_IDS = {"base_color", "ior", "extinction"}
 # A parameter that only one choice of Fresnel reads is shown with that choice only.
 _ONLY_WITH = {"f90": ("schlick",), "ior": ("conductor",), "extinction": ("conductor",),
@@ -67,6 +68,8 @@ def draw_parameter(layout, material, node, parameter):
     group, name = material.plausible_brdf, NAMES[parameter]
     if source.is_linked:
         _draw_link(layout, parameter.label, source.links[0].from_node)
+        if parameter in RANGES and model_of(node).baked:
+            layout.row(align=True).prop(group, RANGES[parameter])
     elif parameter.kind == "color" and parameter.maximum > 1.0:
         column = layout.column(align=True)
         column.prop(group, name, index=0, text=f"{parameter.label}  R")
@@ -131,26 +134,27 @@ class _Main(Face):
 
 
 def draw_weights(layout, context, material, node):
-    """What is amiss with the weights of a baked model: links that they cannot follow, values that they are not for."""
-    links, moving = driven(node), animated(node)
-    if links or moving:
-        text = ("This model is baked for one value of each parameter and cannot follow what is plugged into {names}: "
-                "it renders striped" if links else
-                "This model is baked for one value of each parameter and cannot follow what animates {names}: it "
-                "renders striped")
-        draw_text(layout.box(), context, say(text, names=", ".join(links or moving)), "ERROR")
-    elif rebake.is_running(material):
-        draw_text(layout, context, "Baking the weights for these values", "TIME")
+    """What a baked model's weights are for, what is amiss with them, and a bake's progress."""
+    if rebake.is_running(material):
+        done, total = rebake.progress(material)
+        row = layout.row(align=True)
+        text = "Baking the weights for these values" if total == 1 else "Baking the weights over ranges"
+        row.progress(factor=done / total, text=look_up(text))
+        row.operator("plausible.cancel_weights", text="", icon="X")
     elif is_stale(node):
         box = layout.box()
-        draw_text(box, context, "The weights are for other values", "TIME")
+        problem = rebake.problem(material)
+        draw_text(box, context, problem or "The weights are for other values", "ERROR" if problem else "TIME")
         box.operator("plausible.bake_weights")
     elif baked_error(node):
         note = layout.row()
         note.active = False
         lobe, albedo = (f"{100.0 * part:.2g}" for part in baked_error(node))
-        draw_text(note, context, say("Baked: up to 80° lobes are within {lobe} %, their light within {albedo} %",
-                                     lobe=lobe, albedo=albedo), "CHECKMARK")
+        names = ", ".join(say(p.label) for p in model_of(node).parameters if p.id in driven(node))
+        text = ("Baked over ranges of {names}: up to 80° lobes are within {lobe} %, their light within {albedo} %"
+                if names else "Baked: up to 80° lobes are within {lobe} %, their light within {albedo} %")
+        draw_text(note, context, say(text, names=names, lobe=lobe, albedo=albedo),
+                  "CHECKMARK" if baked_error(node)[0] <= _COARSE else "ERROR")
 
 
 class _Lobe(Face):

@@ -21,16 +21,17 @@ def _owner(group, parameter):
     return node if known else None
 
 
+def _hold(parameter, number):
+    return min(max(number, parameter.minimum), parameter.maximum)
+
+
 def _held(parameter, value):
     """`value` held to the parameter's range, as a slider does."""
-    def hold(number):
-        return min(max(number, parameter.minimum), parameter.maximum)
-
     if parameter.kind in ("color", "vector"):
-        return tuple(hold(number) for number in value)
+        return tuple(_hold(parameter, number) for number in value)
     if parameter.kind == "image":
         return bpy.path.abspath(value)  # what is relative to the .blend means nothing outside Blender
-    return value if parameter.kind == "bool" else hold(value)
+    return value if parameter.kind == "bool" else _hold(parameter, value)
 
 
 def _accessors(parameter):
@@ -91,6 +92,29 @@ def _named_parameters():
 
 
 NAMES = _named_parameters()
+# Of what a baked model may be driven over: all but switches, and colours, which go from black to white.
+RANGES = {p: f"{NAMES[p]}_range" for model in MODELS.values() if model.baked for p in model.parameters
+          if p.can_be_driven and (p.kind == "float" or p.kind == "color" and p.maximum > 1.0)}
+
+
+def _range_property(parameter):
+    """The property for the range that a parameter is baked over where it is driven."""
+    def read(self):
+        node = _owner(self, parameter)
+        return parameter.usual_range(parameter.default) if node is None else nodes.range_of(node, parameter)
+
+    def write(self, value):
+        node = _owner(self, parameter)
+        if node is None:
+            raise ValueError(f"{self.id_data.name}: this material has no parameter {parameter.id!r}")
+        least, most = sorted(_hold(parameter, number) for number in value)
+        if least < most:  # a slider may bring both together on its way
+            materials.set_range(node, parameter, least, most)
+
+    return bpy.props.FloatVectorProperty(
+        name="Range", description="What the driven parameter is baked for, least and most. "
+        "Values beyond count as the nearest; a shorter range is baked faster", size=2, precision=3, options=set(),
+        **_float_range(parameter), get=read, set=write)
 MODEL_ITEMS = [(model.id, model.label, model.description, i) for i, model in enumerate(MODELS.values())]
 
 
@@ -108,6 +132,7 @@ PlausibleMaterial = type("PlausibleMaterial", (bpy.types.PropertyGroup,), {
     "__doc__": "Parameters of a Plausible BRDF material, each held in its node's socket",
     "__annotations__": {
         **{name: _property(parameter) for parameter, name in NAMES.items()},
+        **{name: _range_property(parameter) for parameter, name in RANGES.items()},
     },
 })
 

@@ -3,22 +3,39 @@ import threading
 
 import bpy
 
-from ..baking import weights, weights_error
+from ..baking import ranges, weights_error
 from . import nodes, osl
 from .areas import redraw
 
 REST = 0.3  # seconds that values rest before their weights are baked
 _TICK = 0.1  # seconds between two looks at a bake
 _jobs = {}  # material name -> _Job
+_problems = {}  # material name -> why its weights could not be made
 
 
 def soon(material):
     """Bake a material's weights when its values have rested for a moment; a bake for older values is dropped."""
     name = material.name_full
+    _problems.pop(name, None)
     if name not in _jobs:
         _jobs[name] = _Job(name)
         bpy.app.timers.register(_jobs[name].look, first_interval=REST)
     _jobs[name].rest()
+
+
+def where_stale(node):
+    """Bake a node's weights where they are for other values: soon, or at once where nothing is done later.
+
+    Raises as `nodes.bake_weights`.
+    """
+    if not nodes.is_stale(node):
+        return
+    # A node inside a group has no one material.
+    material = next((m for m in bpy.data.materials if m.node_tree == node.id_data), None)
+    if bpy.app.background or material is None:
+        nodes.bake_weights(node)
+    else:
+        soon(material)
 
 
 def is_running(material) -> bool:
@@ -26,31 +43,56 @@ def is_running(material) -> bool:
     return material.name_full in _jobs
 
 
+def progress(material) -> tuple:
+    """(done, total) sets of weights of a material's bake; (0, 1) before it begins."""
+    job = _jobs.get(material.name_full)
+    return job.work.progress if job and job.work else (0, 1)
+
+
+def problem(material) -> str | None:
+    """Why a material's weights could not be made when it was tried last."""
+    return _problems.get(material.name_full)
+
+
+def cancel(material):
+    """Drop a material's bake: its weights stay as they are, until its values change again."""
+    if material.name_full in _jobs:
+        _jobs[material.name_full].drop()
+
+
 def stop():
     """Drop all bakes; what a thread still computes is thrown away."""
-    for job in _jobs.values():
-        if bpy.app.timers.is_registered(job.look):
-            bpy.app.timers.unregister(job.look)
-    _jobs.clear()
+    for job in list(_jobs.values()):
+        job.drop()
+    _problems.clear()
+
+
+class _Dropped(Exception):
+    """The bake is not wanted any longer."""
 
 
 class _Job:
     """One material's bake. The thread never touches bpy; `look` runs in Blender's main loop until all is done."""
 
     def __init__(self, name):
-        self.name, self.rested, self.values, self.work = name, False, None, None
+        self.name, self.rested, self.work = name, False, None
 
     def rest(self):
         """Values have changed: wait for them to rest once more."""
         self.rested = False
+
+    def drop(self):
+        """End without a result."""
+        if bpy.app.timers.is_registered(self.look):
+            bpy.app.timers.unregister(self.look)
+        self._end()
 
     def look(self):
         """Seconds until the next look; None when there is nothing left to do, or it cannot be done: that is told."""
         try:
             return self._look()
         except (RuntimeError, ValueError, OSError) as error:  # as where a file of the extension is gone
-            print(f"Plausible BRDF: {self.name}: {error}")
-            return self._end()
+            return self._fail(error)
 
     def _look(self):
         node = nodes.find_node(next((m for m in bpy.data.materials if m.name_full == self.name), None))
@@ -59,39 +101,53 @@ class _Job:
         if not self.rested:
             self.rested = True
             return REST
+        wanted = nodes.wanted(node)
         if self.work is not None and self.work.is_alive():
+            self.work.dropped = self.work.wanted != wanted
+            redraw()
             return _TICK
-        values = nodes.values(node)
-        if osl.is_kept(nodes.model_of(node), values):
+        if osl.is_kept(nodes.model_of(node), *wanted):
             nodes.bake_weights(node)
             return self._end()
-        if self.work is None or self.work.values != values:
-            self.work = _Work(nodes.model_of(node), values)
+        if self.work is None or self.work.wanted != wanted:
+            self.work = _Work(nodes.model_of(node), wanted)
             self.work.start()
             return _TICK
         if self.work.error is not None:  # the weights stay stale, which the panel shows
-            print(f"Plausible BRDF: {self.name}: {self.work.error}")
-        else:
-            nodes.bake_weights(node, self.work.largest)  # at once: the thread's weights are kept
+            return self._fail(self.work.error)
+        nodes.bake_weights(node, self.work.largest)  # at once: the thread's weights are kept
+        return self._end()
+
+    def _fail(self, error):
+        _problems[self.name] = str(error)
+        print(f"Plausible BRDF: {self.name}: {error}")
         return self._end()
 
     def _end(self):
+        if self.work is not None:
+            self.work.dropped = True
         _jobs.pop(self.name, None)
         redraw()
         return None
 
 
 class _Work(threading.Thread):
-    """Bakes the weights of a model for values, and measures their error."""
+    """Bakes the weights of a model for (values, ranges of the driven), and measures their error."""
 
-    def __init__(self, model, values):
+    def __init__(self, model, wanted):
         super().__init__(name="Plausible BRDF weights", daemon=True)
-        self.model, self.values = model, values
+        self.model, self.wanted = model, wanted
         self.largest, self.error = None, None
+        self.progress, self.dropped = (0, 1), False
 
     def run(self):
         try:
-            weights.weights(self.model, self.values)
-            self.largest = weights_error.error(self.model, self.values).largest()
+            ranges.bake(self.model, *self.wanted, tell=self._tell)
+            self.largest = weights_error.largest(self.model, *self.wanted)
         except Exception as error:  # a thread has no caller: `look` tells
             self.error = error
+
+    def _tell(self, *progress):
+        self.progress = progress
+        if self.dropped:
+            raise _Dropped("the bake was dropped")

@@ -1,7 +1,7 @@
 """Nodes of ours that were edited by hand and no longer work: what they lack, and a fresh one in their place."""
 import bpy
 
-from . import groups, nodes
+from . import groups, nodes, rebake
 from .operators import material_of, osl_works, reporting
 from .replace import replace_node
 from .words import say
@@ -52,6 +52,7 @@ def renew(old):
     new = groups.add_node(old.id_data, model, groups.lut_of(tree), nodes.carried(model, before))
     replace_node(old, before, new)
     nodes.note_values(new)
+    rebake.where_stale(new)  # links that stay are baked over ranges
 
 
 def _by_label(node, model):

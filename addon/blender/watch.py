@@ -24,7 +24,7 @@ def _look():
         if node is None or not material.is_editable:
             continue
         materials.update_viewport(material)
-        if nodes.is_stale(node) and not nodes.driven(node) and not nodes.animated(node):
+        if nodes.is_stale(node):
             rebake.soon(material)
 
 

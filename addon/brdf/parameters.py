@@ -44,6 +44,27 @@ class Parameter:
             return COLOR
         return RETROREFLECTION if self.id.startswith("retro") else LOBE
 
+    @property
+    def can_be_driven(self) -> bool:
+        """Whether a model that is baked for the parameter can be so over a range of it."""
+        return self.evaluated and self.kind not in ("image", "vector")
+
+    @property
+    def is_width(self) -> bool:
+        """Whether it scales a lobe: equal ratios of it are equal steps."""
+        return self.kind == "float" and self.minimum > 0.0
+
+    def usual_range(self, value) -> tuple:
+        """(least, most) that what drives the parameter is taken to stay within, by a `value` that it has otherwise."""
+        if self.is_width:
+            times = 4.0 if self.logarithmic else 2.0
+            low, high = value / times, value * times
+        elif self.kind == "color" and self.maximum > 1.0:
+            low, high = 0.5 * min(value), max(2.0 * max(value), 1.0)
+        else:
+            low, high = self.minimum, self.maximum
+        return max(low, self.minimum), min(high, self.maximum)
+
     def check(self, value):
         """Return `value` in the parameter's type. Raises ValueError that names the value and what is allowed."""
         if self.kind in ("color", "vector"):

@@ -6,7 +6,7 @@ import time
 import numpy as np
 
 from .. import brdf
-from ..baking import bake, sizes, star, weights, weights_error
+from ..baking import bake, ranges, sizes, star, weights, weights_error
 from ..brdf import tables
 from ..brdf.parameters import MAX_EXPONENT, MIN_EXPONENT
 from ..cli import CommandError
@@ -35,6 +35,9 @@ def add_arguments(parser):
                         help="write nothing; bake the weights of this model, and print their size and error")
     parser.add_argument("--set", action="append", default=[], metavar="PARAMETER=VALUE", dest="assignments",
                         help="a parameter of that model; may be repeated")
+    parser.add_argument("--drive", action="append", default=[], metavar="PARAMETER=FROM:TO",
+                        help="bake that model over this range of a parameter, as where a texture drives it; may be "
+                        "repeated")
     parser.add_argument("--star", action="store_true", help="draw the image that ndf_map has by itself instead")
     parser.add_argument("--output", metavar="DIR", help="folder of the tables (the package's luts by default)")
     parser.add_argument("--workers", type=int, metavar="N", help="processes (one a core by default)")
@@ -106,6 +109,8 @@ def _state_weights(arguments):
     if not model.baked:
         raise CommandError(f"{model.id} has a shader of its own, and nothing to bake")
     given = settings(model, arguments.assignments)
+    if arguments.drive:
+        return _state_ranges(arguments, model, given)
     start = time.monotonic()
     baked = weights.weights(model, given)
     seconds = time.monotonic() - start
@@ -121,6 +126,38 @@ def _state_weights(arguments):
           "between views that were baked, before the blur of splats:\n  view    lobe   albedo")
     for angle, lobe, albedo in zip(report["theta"], found.lobe, found.albedo, strict=True):
         print(f"{angle:5.1f}° {100.0 * lobe:6.2f} % {100.0 * albedo:+6.2f} %")
+
+
+def _state_ranges(arguments, model, given):
+    driven = dict(_driven(model, each) for each in arguments.drive)
+    start = time.monotonic()
+    sets = ranges.bake(model, given, driven, tell=lambda done, total: _progress(done, total, model.label))
+    seconds = time.monotonic() - start
+    lobe, albedo = weights_error.largest(model, given, driven)
+    report = {"model": model.id, "seconds": round(seconds, 2), "sets": len(sets.held), "numbers": sets.numbers,
+              "steps": {each.parameter.id: [float(np.max(each.value(i))) for i in range(each.steps)]
+                        for each in sets.ranges}, "lobe": lobe, "albedo": albedo}
+    if arguments.json:
+        print(json.dumps(report))
+        return
+    for name, values in report["steps"].items():
+        print(f"{name}: {', '.join(f'{value:.4g}' for value in values)}")
+    print(f"{model.label}: {report['sets']} sets of weights, {report['numbers']} numbers, baked in {seconds:.1f} s\n"
+          "between views, and halfway between steps, up to 80°, before the blur of splats: lobes within "
+          f"{100.0 * lobe:.2g} %, their light within {100.0 * albedo:.2g} %")
+
+
+def _driven(model, text):
+    """(parameter, (least, most)) of PARAMETER=FROM:TO. Raises CommandError."""
+    name, _, span = text.partition("=")
+    try:
+        least, most = map(float, span.split(":"))
+    except ValueError:
+        raise CommandError(f"--drive: {text!r} is not PARAMETER=FROM:TO") from None
+    try:
+        return name, ranges.check(model.parameter(name), least, most)
+    except ValueError as error:
+        raise CommandError(f"--drive: {error}") from None
 
 
 def _check(arguments):

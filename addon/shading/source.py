@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..baking import bells, weights
+from ..baking import bells, ranges, weights
 from ..brdf import images, tables
 from ..brdf.axes import SineAxis
 
@@ -21,8 +21,11 @@ def shader_path(model) -> Path:
     return _OSL / ("weights.osl" if model.baked else f"{model.id}.osl")
 
 
-def assemble(model, lut: str = COMPILED, parameters: dict | None = None, baked=None) -> str:
-    """OSL source of `model`, without includes. A baked model's weights are those for its `parameters`, or `baked`.
+def assemble(model, lut: str = COMPILED, parameters: dict | None = None, driven: dict | None = None, baked=None) -> str:
+    """OSL source of `model`, without includes.
+
+    A baked model's weights are those for its `parameters` and for the ranges of those `driven`, see baking/ranges.py;
+    or they are `baked`, a `ranges.Sets`.
 
     `lut` is "compiled" (tables are numbers in the text) or "file" (tables are read by texture(); their paths are the
     string parameters table_plain and table_controlled). Raises ValueError for another `lut`, brdf.TableError when a
@@ -32,7 +35,7 @@ def assemble(model, lut: str = COMPILED, parameters: dict | None = None, baked=N
         raise ValueError(f"lut: {lut!r} is not one of {COMPILED}, {FILE}")
     text = _flattened(shader_path(model), set())
     if model.baked:
-        return _weights(model, parameters or {}, baked) + text
+        return _weights(model, parameters or {}, baked or ranges.bake(model, parameters or {}, driven)) + text
     return _definitions(model, lut) + text
 
 
@@ -113,23 +116,40 @@ _TYPES = {"float": "float", "int": "int", "bool": "int", "enum": "int", "color":
           "image": "string"}
 
 
-def _weights(model, given, baked):
+def _weights(model, parameters, baked):
     """Macros of a baked model: its signature, what its inputs must be for its weights to hold, and the weights."""
-    p = model.resolve(given)
-    baked = baked or weights.weights(model, given)
+    p = model.resolve(parameters)
     inputs = [f"{_TYPES[q.kind]} {q.id} = {_literal(_TYPES[q.kind], q.default)}" for q in model.parameters]
-    matches = [_matches(q, p[q.id]) for q in model.parameters if q.evaluated]
-    layout = baked.layout
+    driven = {each.parameter.id for each in baked.ranges}
+    matches = [_matches(q, p[q.id]) for q in model.parameters if q.evaluated and q.id not in driven]
+    first = baked.sets[0]
+    layout = first.layout
     numbers = {"VIEWS": layout.views, "AZIMUTHS": layout.azimuths, "WHOLE": int(layout.whole),
                "STEEPEST": weights.STEEPEST, "CROWDED": weights.CROWDED, "FACETS": weights.FACETS,
-               "RINGS": layout.cell_rings, "AROUND": layout.cell_turns, "STRETCH_X": layout.stretch[0],
-               "STRETCH_Y": layout.stretch[1], "CHANNELS": baked.channels,
-               "SPIKES": weights.SPIKES if len(baked.spikes) else 0}
+               "RINGS": layout.cell_rings, "AROUND": layout.cell_turns, "CHANNELS": baked.channels,
+               "SPIKES": weights.SPIKES if len(first.spikes) else 0, "RANGES": len(driven), "SETS": len(baked.sets)}
     lines = [f"#define W_{name} {value}" for name, value in numbers.items()]
-    lines += [f"#define MODEL {model.id}", f'#define MODEL_LABEL "{model.label}"',
-              "#define MODEL_PARAMETERS " + ", ".join(inputs), "#define MODEL_MATCHES " + " && ".join(matches),
-              "#define DATA_PARAMETERS " + _array("weights", [*baked.rows.ravel(), *baked.spikes.ravel()])]
+    lines += [f"#define RANGE_PLACES {', '.join(map(_place, baked.ranges))}",
+              f"#define RANGE_STEPS {', '.join(str(each.steps) for each in baked.ranges)}",
+              f"#define RANGE_SLOTS {', '.join(map(str, baked.slots))}",
+              f"#define MODEL {model.id}", f'#define MODEL_LABEL "{model.label}"',
+              "#define MODEL_PARAMETERS " + ", ".join(inputs), "#define MODEL_MATCHES " + (" && ".join(matches) or "1"),
+              "#define DATA_PARAMETERS " + _array("weights", np.concatenate([_set(one, baked.channels)
+                                                                             for one in baked.held]))]
     return "\n".join(lines) + "\n"
+
+
+def _place(driven):
+    """Where the input of a driven parameter is among its steps."""
+    kind, name = driven.parameter.kind, driven.parameter.id
+    value = name if kind == "color" else f"color({name})"
+    return f"range_place({value}, {driven.least!r}, {driven.most!r}, {driven.steps}, {int(driven.geometric)})"
+
+
+def _set(one, channels):
+    """The numbers of one set of weights, with as many `channels` as all sets have."""
+    return np.concatenate([[*one.layout.stretch, one.brightness], one.with_channels(channels).rows.ravel(),
+                           one.spikes.ravel()])
 
 
 def _literal(kind, value):

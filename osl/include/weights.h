@@ -1,6 +1,8 @@
 // Rendering by rows of baked weights: see addon/baking/weights.py, which lays them out.
 //
-// A row is what a view sees: base closures, and cells of half vectors that hold what those leave over.
+// A row is what a view sees: base closures, and cells of half vectors that hold what those leave over. A set is rows for
+// all views, after a head: the stretch of its rings along x and y, and about how bright it is. There is one set, or one
+// for each combination of steps of driven parameters.
 
 #define W_FACET 7
 #define W_BASE (1 + W_FACET * W_FACETS)  // first the share that is left over, then microfacets, then
@@ -8,7 +10,9 @@
 #define W_TURNS (W_CELLS + W_RINGS + 1)
 #define W_ENERGY (W_TURNS + W_RINGS * (W_AROUND + 1))
 #define W_ROW (W_ENERGY + W_RINGS * W_AROUND * W_CHANNELS)
-#define W_SPIKE (W_AZIMUTHS * W_VIEWS * W_ROW)  // after all rows, the colour of a perfect mirror, at W_SPIKES angles from row to row
+#define W_HEAD 3
+#define W_SPIKE (W_HEAD + W_AZIMUTHS * W_VIEWS * W_ROW)  // after all rows, the colour of a perfect mirror, at W_SPIKES angles from row to row
+#define W_SET (W_SPIKE + (W_SPIKES > 0 ? 3 * (W_SPIKES * (W_VIEWS - 1) + 1) : 0))
 
 #define NARROWEST 5e-4    // slope: Cycles takes narrower facets for mirrors
 #define SPLAT 1.2         // width of a splat's facet, of its cell's size
@@ -32,8 +36,57 @@ int beside(float place, int last, output float chance)
     return low + up;
 }
 
-// Where the row begins that a view is given.
-int weights_row(vector view, float place, float number)
+#if W_RANGES
+// Where a driven parameter is among its steps, 0 to steps - 1, in each channel.
+color range_place(color value, float least, float most, int steps, int geometric)
+{
+    color at = clamp(value, color(least), color(most));
+    color along = geometric ? log(at / least) / log(most / least) : (at - least) / (most - least);
+    return (steps - 1) * along;
+}
+
+// The share, in each channel, that a set has in what is between sets: sets of the last parameter's steps are neighbours.
+color weights_share(int set, color places[W_RANGES], int steps[W_RANGES])
+{
+    color share = 1.0;
+    int rest = set;
+    for (int i = W_RANGES - 1; i >= 0; i -= 1) {
+        int step = rest % steps[i];
+        rest = rest / steps[i];
+        share *= max(color(1.0) - abs(places[i] - color(step)), color(0.0));
+    }
+    return share;
+}
+
+// Where the set begins that a hit takes, by `chance`, which is stretched for another use, and what it weighs in each
+// channel. Sets are taken as often as they are bright; `slots` tells where each is, -1 of those that are black.
+int weights_set(float w[], color places[W_RANGES], int steps[W_RANGES], int slots[W_SETS], output float chance,
+                output color weight)
+{
+    float likely[W_SETS];
+    float all = 0.0;
+    for (int i = 0; i < W_SETS; i += 1) {
+        color share = weights_share(i, places, steps);
+        likely[i] = slots[i] < 0 ? 0.0 : (share[0] + share[1] + share[2]) * w[W_SET * slots[i] + W_HEAD - 1];
+        all += likely[i];
+    }
+    float left = chance * all;
+    int set = 0;
+    while (set < W_SETS - 1 && left >= likely[set]) {
+        left -= likely[set];
+        set += 1;
+    }
+    weight = 0.0;
+    if (likely[set] > 0.0) {
+        weight = weights_share(set, places, steps) * (all / likely[set]);
+        chance = min(left / likely[set], 0.999999);
+    }
+    return W_SET * max(slots[set], 0);
+}
+#endif
+
+// Where the row begins that a view is given, in the set that begins at `set`.
+int weights_row(int set, vector view, float place, float number)
 {
     float chance = number;
     int row = beside(place, W_VIEWS - 1, chance);
@@ -42,7 +95,7 @@ int weights_row(vector view, float place, float number)
 #elif W_AZIMUTHS > 1
     row += W_VIEWS * beside((W_AZIMUTHS - 1) * atan2(view[1], view[0]) / M_PI_2, W_AZIMUTHS - 1, chance);
 #endif
-    return W_ROW * row;
+    return set + W_HEAD + W_ROW * row;
 }
 
 #if W_AZIMUTHS > 1 && !W_WHOLE
@@ -92,13 +145,13 @@ closure color weights_base(Frame f, float w[], int row)
     return sum;
 }
 
-closure color weights_spike(Frame f, float w[], float place)
+closure color weights_spike(Frame f, float w[], int set, float place)
 {
     closure color spike = 0;
     if (W_SPIKES > 0) {
         float along = W_SPIKES * place;
         int i = min((int)along, W_SPIKES * (W_VIEWS - 1) - 1);
-        int at = W_SPIKE + 3 * i;
+        int at = set + W_SPIKE + 3 * i;
         spike = mix(color(w[at], w[at + 1], w[at + 2]), color(w[at + 3], w[at + 4], w[at + 5]), along - i)
               * reflection(f.z);
     }
@@ -112,7 +165,7 @@ vector on_sphere(vector h, vector step)
 }
 
 // One splat, in the cell that the numbers u, v in 0..1 choose, at the place in it that their rests do.
-closure color weights_splat(Frame f, float w[], int row, float u, float v, color share, float spread, vector up)
+closure color weights_splat(Frame f, float w[], int set, int row, float u, float v, color share, float spread, vector up)
 {
     float ring = W_RINGS * u;
 #if W_AZIMUTHS > 1
@@ -129,8 +182,8 @@ closure color weights_splat(Frame f, float w[], int row, float u, float v, color
     float high = w[row + W_CELLS + i + 1];
     float s = sqrt(mix(low * low, high * high, ring - i));
     float phi = side * mix(w[edge], w[edge + 1], turn - j);
-    vector out = vector(cos(phi) * W_STRETCH_X, sin(phi) * W_STRETCH_Y, 0.0);
-    vector turned = vector(-sin(phi) * W_STRETCH_X, cos(phi) * W_STRETCH_Y, 0.0);
+    vector out = vector(cos(phi) * w[set], sin(phi) * w[set + 1], 0.0);
+    vector turned = vector(-sin(phi) * w[set], cos(phi) * w[set + 1], 0.0);
     vector h = vector(s * out[0], s * out[1], sqrt(max(1.0 - s * s * dot(out, out), 0.0)));
     vector light = 2.0 * dot(f.view, h) * h - f.view;
     float height = min(light[2], dot(light, up));
@@ -159,19 +212,19 @@ closure color weights_splat(Frame f, float w[], int row, float u, float v, color
     return splat;
 }
 
-closure color weights_estimate(Frame f, float w[], vector numbers, int samples, float spread, vector up)
+closure color weights_estimate(Frame f, float w[], int set, vector numbers, int samples, float spread, vector up)
 {
     float place = weights_place(f.view[2]);
-    int row = weights_row(f.view, place, numbers[2]);
+    int row = weights_row(set, f.view, place, numbers[2]);
     float left = w[row];
     int count = clamp((int)ceil(samples * left / MUCH_LEFT), 1, samples);
     float chance = clamp(left / LITTLE_LEFT, 0.05, 1.0);
-    closure color sum = weights_spike(f, w, place);
+    closure color sum = weights_spike(f, w, set, place);
     if (left > 1e-5 && numbers[1] < chance) {
         vector drawn = vector(numbers[0], numbers[1] / chance, 0.0);
         color share = 1.0 / (count * chance);
         for (int k = 0; k < count; k += 1)
-            sum = weights_splat(f, w, row, lattice_u(drawn, k, count), lattice_v(drawn, k), share, spread, up) + sum;
+            sum = weights_splat(f, w, set, row, lattice_u(drawn, k, count), lattice_v(drawn, k), share, spread, up) + sum;
     }
     return weights_base(f, w, row) + sum;
 }
