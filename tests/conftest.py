@@ -36,6 +36,7 @@ def no_weights(monkeypatch):
     known = weights_error.WeightsError(np.zeros(1), np.array([0.012]), np.array([-0.001]))
     monkeypatch.setattr(weights, "weights", lambda *_: few)
     monkeypatch.setattr(weights_error, "error", lambda model, parameters: known)
+    monkeypatch.setattr(weights_error, "largest", lambda *_: known.largest())
 
 
 @pytest.fixture

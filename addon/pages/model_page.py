@@ -147,10 +147,10 @@ def _peak(shift, light):
 def _rendered(model):
     if model.baked:
         return _wrapped(
-            "It is baked: for the values of its parameters, in seconds, into weights that the material carries. A link "
-            "or a keyframe cannot drive what is baked: a material whose values are not those of its weights renders "
-            "striped. The panel bakes anew when values have rested. Directions and what is under *Sampling* may be "
-            "linked.")
+            "It is baked: for the values of its parameters, in seconds, into weights that the material carries. A "
+            "material whose values are not those of its weights renders striped; the panel bakes anew when values have "
+            "rested. What is linked, driven or keyframed is baked over a range, in steps. Directions and what is under "
+            "*Sampling* follow links without that.")
     words = "It has a shader of its own: every parameter may be linked, driven and keyframed."
     if model.tables:
         names = ", ".join(f"`{name}`" for name in model.tables)
