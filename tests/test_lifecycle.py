@@ -1,7 +1,7 @@
 """What happens to materials in a working life: duplicates, undo, overrides, keyframes, scenes, nodes edited by hand."""
 import numpy as np
 import pytest
-from recorder import context_for, drawn, texts
+from recorder import context_for, drawn, properties, texts
 
 from addon import create_material
 from addon.brdf import MODELS
@@ -193,6 +193,9 @@ def test_keyframes_of_what_is_baked(bpy, no_weights):
     material.plausible_brdf.cosine_microfacet_exponent_range = (30.0, 10.0)
     assert nodes.driven(node_in(material)) == {"exponent": (10.0, 30.0)} and not nodes.is_stale(node_in(material))
     assert "Baked over ranges of Exponent" in texts(drawn(context_for(bpy, material)))
+    assert "cosine_microfacet_exponent_range" in properties(drawn(context_for(bpy, material)))
+    material.plausible_brdf.model = "phong_original"  # a range goes on with the parameter
+    assert nodes.driven(node_in(material)) == {"exponent": (10.0, 30.0)} and not nodes.is_stale(node_in(material))
 
 
 def test_a_node_edited_by_hand(bpy):

@@ -103,11 +103,11 @@ def bake(model, parameters: dict, driven: dict | None = None, tell=None) -> Sets
     ranges = tuple(_range(model, parameters, name, *driven[name]) for name in sorted(driven))
     key = (model, repr(sorted(_settled(model, p, driven).items())), ranges,
            tuple(q.stamp(p[q.id]) for q in model.parameters if q.kind == "image"))
-    if key not in _kept:
-        _kept[key] = Sets(ranges, _sets(model, parameters, ranges, tell))
-        while len(_kept) > _KEPT:
-            del _kept[next(iter(_kept))]
-    return _kept[key]
+    found = _kept.get(key) or Sets(ranges, _sets(model, parameters, ranges, tell))
+    _kept[key] = found
+    while len(_kept) > _KEPT:
+        _kept.pop(next(iter(_kept)), None)  # another thread may have done so
+    return found
 
 
 def check(parameter, least: float, most: float) -> tuple:

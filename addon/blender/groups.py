@@ -16,6 +16,7 @@ from . import osl, stand_in
 
 MODEL_KEY, LUT_KEY, VERSION_KEY = "plausible_model", "plausible_lut", "plausible_version"  # of a group
 SPANS_KEY = "plausible_spans"  # of a group: the exponents that the tables compiled into it are baked for
+RANGES_KEY = "plausible_ranges"  # of a group: {parameter: [least, most]} that driven ones stay within, as JSON
 MOVED_KEY = "plausible_moved"  # of a node: where its shader went before the native approximation took its place
 BSDF, STAND_IN = "BSDF", "Stand-in"  # outputs
 _KINDS = {"float": "NodeSocketFloat", "int": "NodeSocketInt", "enum": "NodeSocketInt", "bool": "NodeSocketBool",

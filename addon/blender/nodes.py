@@ -11,7 +11,6 @@ from .replace import curves
 from .words import say
 
 BAKED_KEY = "plausible_baked"  # of a group: the values that the weights of a baked model were made for
-RANGES_KEY = "plausible_ranges"  # of a group: {parameter: [least, most]} that driven ones stay within, as JSON
 ERROR_KEY = "plausible_baked_error"  # of these weights: largest errors of the lobe and of the albedo up to 80 degrees
 _FRAMES = 65  # of an animation, at which it is looked up how far it goes
 
@@ -145,13 +144,14 @@ def baked_error(node):
 
 def driven(node) -> dict:
     """{parameter id: (least, most)} of what links, drivers or keyframes change of a baked model: see `range_of`."""
-    model = model_of(node)
-    if not model.baked:
-        return {}
-    held = groups.sockets(node)
-    moved = {curve.data_path for curve in curves(node.id_data)}
-    return {p.id: range_of(node, p) for p in model.parameters if p.can_be_driven and p.id in held
-            and (held[p.id].is_linked or _path(held[p.id]) in moved)}
+    return {p.id: range_of(node, p) for p in model_of(node).parameters if is_driven(node, p)}
+
+
+def is_driven(node, parameter) -> bool:
+    """Whether something changes a parameter that a model is baked for."""
+    socket = socket_of(node, parameter) if model_of(node).baked and parameter.can_be_driven else None
+    return socket is not None and (
+        socket.is_linked or any(curve.data_path == _path(socket) for curve in curves(node.id_data)))
 
 
 def range_of(node, parameter) -> tuple:
@@ -170,13 +170,13 @@ def set_range(node, parameter, least: float, most: float):
     """Choose what a parameter is baked over where it is driven. Raises ValueError as `baking.ranges.check`."""
     chosen = {parameter.id: ranges.check(parameter, least, most)}
     groups.own(node)
-    node.node_tree[RANGES_KEY] = json.dumps({**_ranges(node.node_tree), **chosen})
+    node.node_tree[groups.RANGES_KEY] = json.dumps({**_ranges(node.node_tree), **chosen})
 
 
 def _ranges(tree):
     """The ranges that were chosen; what is written by hand and is none counts for nothing."""
     try:
-        found = json.loads(groups.text_of(tree, RANGES_KEY))
+        found = json.loads(groups.text_of(tree, groups.RANGES_KEY))
     except ValueError:
         return {}
     return found if isinstance(found, dict) else {}
@@ -224,7 +224,7 @@ def note_values(node, error: tuple | None = None, moved: dict | None = None):
         # What keyframes reach is looked up again when they change; a driver's value is another at every frame.
         kept = {name: each for name, each in (moved or {}).items() if _reach(node, model.parameter(name))[0] is None}
         if kept:
-            tree[RANGES_KEY] = json.dumps({**_ranges(tree), **kept})
+            tree[groups.RANGES_KEY] = json.dumps({**_ranges(tree), **kept})
         tree[ERROR_KEY] = cache.fetch(cache.key(model, given, "error", moved),
                                       lambda: error or weights_error.largest(model, given, moved))
         show(node)

@@ -6,7 +6,7 @@ import bpy
 from ..brdf.disk_model import DiskModel
 from ..brdf.parameters import COLOR, LOBE, RETROREFLECTION
 from . import bakes, icons, luts, rebake, status, switches
-from .nodes import baked_error, driven, is_linked, is_stale, model_of, socket_of, values
+from .nodes import baked_error, driven, is_driven, is_linked, is_stale, model_of, socket_of, values
 from .operators import material_of, plausible_node
 from .properties import NAMES, RANGES
 from .words import look_up, say
@@ -61,15 +61,13 @@ def draw_bake(layout, models=None):
 
 
 def draw_parameter(layout, material, node, parameter):
-    """One parameter: its slider, or, where its socket has a link, what it is driven by."""
+    """One parameter: its slider, or what is linked to its socket, and the range that it is baked over, if it is."""
     source = socket_of(node, parameter)
     if source is None:
         return
     group, name = material.plausible_brdf, NAMES[parameter]
     if source.is_linked:
         _draw_link(layout, parameter.label, source.links[0].from_node)
-        if parameter in RANGES and model_of(node).baked:
-            layout.row(align=True).prop(group, RANGES[parameter])
     elif parameter.kind == "color" and parameter.maximum > 1.0:
         column = layout.column(align=True)
         column.prop(group, name, index=0, text=f"{parameter.label}  R")
@@ -77,6 +75,8 @@ def draw_parameter(layout, material, node, parameter):
         column.prop(group, name, index=2, text="B")
     elif parameter.kind != "vector":  # three numbers tell nobody a direction: a vector is for links
         layout.prop(group, name, text=parameter.label)
+    if parameter in RANGES and is_driven(node, parameter):
+        layout.row(align=True).prop(group, RANGES[parameter])
 
 
 def _draw_link(layout, label, node):
@@ -150,7 +150,7 @@ def draw_weights(layout, context, material, node):
         note = layout.row()
         note.active = False
         lobe, albedo = (f"{100.0 * part:.2g}" for part in baked_error(node))
-        names = ", ".join(say(p.label) for p in model_of(node).parameters if p.id in driven(node))
+        names = ", ".join(say(model_of(node).parameter(name).label) for name in driven(node))
         text = ("Baked over ranges of {names}: up to 80° lobes are within {lobe} %, their light within {albedo} %"
                 if names else "Baked: up to 80° lobes are within {lobe} %, their light within {albedo} %")
         draw_text(note, context, say(text, names=names, lobe=lobe, albedo=albedo),

@@ -92,7 +92,8 @@ def _named_parameters():
 
 
 NAMES = _named_parameters()
-# Of what a baked model may be driven over: all but switches, and colours, which go from black to white.
+# Property name of the range of each parameter that has one: switches have all their values, colours go from black to
+# white.
 RANGES = {p: f"{NAMES[p]}_range" for model in MODELS.values() if model.baked for p in model.parameters
           if p.can_be_driven and (p.kind == "float" or p.kind == "color" and p.maximum > 1.0)}
 
@@ -115,6 +116,8 @@ def _range_property(parameter):
         name="Range", description="What the driven parameter is baked for, least and most. "
         "Values beyond count as the nearest; a shorter range is baked faster", size=2, precision=3, options=set(),
         **_float_range(parameter), get=read, set=write)
+
+
 MODEL_ITEMS = [(model.id, model.label, model.description, i) for i, model in enumerate(MODELS.values())]
 
 

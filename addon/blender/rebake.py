@@ -109,7 +109,7 @@ class _Job:
         if osl.is_kept(nodes.model_of(node), *wanted):
             nodes.bake_weights(node)
             return self._end()
-        if self.work is None or self.work.wanted != wanted:
+        if self.work is None or self.work.wanted != wanted or isinstance(self.work.error, _Dropped):
             self.work = _Work(nodes.model_of(node), wanted)
             self.work.start()
             return _TICK

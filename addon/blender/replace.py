@@ -28,6 +28,9 @@ def replace_node(old, before: dict, new):
     places = {_index(old, socket): _index(new, after[name]) if name in after else None
               for name, socket in before.items() if socket.node == old}
     labels = {_index(old, socket): socket.name for socket in before.values() if socket.node == old}
+    ranges = groups.text_of(getattr(old, "node_tree", None) or {}, groups.RANGES_KEY)
+    if ranges and model.baked:
+        new.node_tree[groups.RANGES_KEY] = ranges
     if groups.MOVED_KEY in old:
         new[groups.MOVED_KEY] = old[groups.MOVED_KEY]
     new.location, new.width, new.parent, new.mute = old.location, old.width, old.parent, old.mute
