@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import versions
 
-from addon.baking import weights, weights_error
+from addon.baking import ranges, weights, weights_error
 from addon.brdf import MODELS, tables
 from addon.shading import source
 
@@ -31,6 +31,7 @@ def no_weights(monkeypatch):
     from addon.blender import cache
 
     monkeypatch.setattr(cache, "_memory", {})
+    monkeypatch.setattr(ranges, "_kept", {})
     tiny = weights.Layout(views=1, azimuths=1, turns=1, cell_rings=1, cell_turns=1)
     few = weights.Weights(tiny, np.zeros((1, weights.numbers(tiny, 1))), np.zeros((0, 3)), 1, np.zeros(1))
     known = weights_error.WeightsError(np.zeros(1), np.array([0.012]), np.array([-0.001]))

@@ -77,6 +77,38 @@ def test_many_sets_have_fewer_views(zeros):
     assert many.sets[0].layout.views == round(0.8 * weights.ROUND.views)
 
 
+def test_what_comes_back_half_way_is_read(zeros):
+    """The star of an NDF map is the same after half a turn."""
+    assert len(steps("ndf_map", {"rotation": (0.0, 1.0)})["rotation"]) == ranges.EVEN_STEPS
+
+
+def test_steps_are_for_all_that_the_others_may_be(zeros):
+    """An index is read by the conductor only, which is one of the driven choices."""
+    driven = {"fresnel_type": (0, 2), "ior": (0.1, 3.0)}
+    found = steps("blinn_fresnel", driven, extinction=2.0)
+    assert len(found["ior"]) == ranges.EVEN_STEPS and found["fresnel_type"] == [0, 1, 2]
+    # What driven parameters are otherwise changes nothing.
+    assert steps("blinn_fresnel", driven, extinction=2.0, ior=2.0) == found
+
+
+@pytest.mark.parametrize("least", np.linspace(-1.19, 1.19, 60).round(3))
+def test_rounding_leads_to_no_step_beyond(zeros, least):
+    parameter = MODELS["lafortune"].parameter("cxy_1")
+    each = ranges.Range(parameter, least, 1.2, 9)
+    assert parameter.check(each.value(8)) == pytest.approx(1.2)
+    exponent = MODELS["blinn_original"].parameter("exponent")
+    low = 4000.0 + 50.0 * least
+    assert exponent.check(ranges.Range(exponent, low, 10000.0, 9, geometric=True).value(8)) == pytest.approx(10000.0)
+
+
+def test_sets_are_kept_while_they_are_used(zeros):
+    first = ranges.bake(MODELS["ward"], {}, {"roughness_u": (0.1, 0.2)})
+    for i in range(2 * ranges._KEPT):
+        ranges.bake(MODELS["ward"], {"roughness_v": 0.1 + 0.01 * i}, {"base_color": (0.0, 1.0)})
+        assert ranges.bake(MODELS["ward"], {}, {"roughness_u": (0.1, 0.2)}) is first
+    assert len(ranges._kept) == ranges._KEPT
+
+
 def test_switches_have_all_their_values(zeros):
     assert steps("blinn_fresnel", {"fresnel_type": (0, 2)})["fresnel_type"] == [0, 1, 2]
     assert steps("pumped_ward", {"control": (0, 1)})["control"] == [False, True]

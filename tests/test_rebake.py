@@ -94,7 +94,7 @@ def test_a_range_tells_its_progress_and_can_be_dropped_and_taken_up(bpy, materia
     work.join()
     assert isinstance(work.error, rebake._Dropped) and len(slow.begun) == 1
     assert looked_at(material, lambda: not rebake.is_running(material))
-    assert not nodes.is_stale(node) and rebake.problem(material) is None
+    assert not nodes.is_stale(node) and rebake.problem(material, node) is None
 
 
 def test_cancel_leaves_the_weights_as_they_are(bpy, material, slow):
@@ -102,11 +102,18 @@ def test_cancel_leaves_the_weights_as_they_are(bpy, material, slow):
 
     node = changed(material, 0.3)
     assert looked_at(material, lambda: slow.begun)
+    job = rebake._jobs[material.name_full]
+    assert bpy.app.timers.is_registered(job.timer)
     with bpy.context.temp_override(material=material):
         assert bpy.ops.plausible.cancel_weights() == {"FINISHED"}
+    assert not bpy.app.timers.is_registered(job.timer) and job.look() is None and job.work.dropped
     slow.set()
     assert not rebake.is_running(material) and nodes.is_stale(node)
     assert "The weights are for other values" in texts(drawn(context_for(bpy, material)))
+    rebake.follow(material, node)  # as after any edit
+    assert not rebake.is_running(material)
+    changed(material, 0.35)
+    assert rebake.is_running(material)
 
 
 def test_what_cannot_be_baked_is_told_in_the_panel(bpy, material, slow, capsys):
@@ -125,6 +132,8 @@ def test_what_cannot_be_baked_is_told_in_the_panel(bpy, material, slow, capsys):
     words = texts(drawn(context_for(bpy, material)))
     assert "these are too many steps for one shader" in words and "Slope m" in words
     assert "too many steps" in capsys.readouterr().out
+    rebake.follow(material, node)
+    assert not rebake.is_running(material)  # it would fail again
     tree.links.remove(groups.sockets(node)["ior"].links[0])
     tree.links.remove(groups.sockets(node)["extinction"].links[0])
     rebake.soon(material)

@@ -154,6 +154,10 @@ def test_keyframes_are_followed():
     socket.default_value = 40.0
     socket.keyframe_insert("default_value", frame=21)
     assert nodes.is_stale(node) and nodes.driven(node)["exponent"][1] == pytest.approx(40.0)
+    for frame, value in ((200, 40.0), (201, 90.0), (202, 40.0), (900, 40.0)):  # a flash among long stretches
+        socket.default_value = value
+        socket.keyframe_insert("default_value", frame=frame)
+    assert nodes.driven(node)["exponent"][1] == pytest.approx(90.0)
 
 
 @pytest.mark.versions

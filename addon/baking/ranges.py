@@ -20,8 +20,9 @@ MOST_NUMBERS = 1_000_000  # of all sets: OSL compiles no arrays of twice the len
 FEWER = (1.0, 0.8, 0.65, 0.5)  # of a layout's views, tried in turn where all sets are too many numbers
 # Of unit length: to see how a formula depends on a parameter.
 _VIEWS = tuple(np.array([np.sin(theta) * 0.8, np.sin(theta) * 0.6, np.cos(theta)]) for theta in (0.2, 0.9, 1.4))
-_KEPT = 2
-_kept = {}  # (model, its values, ranges) -> Sets, the oldest first
+_BETWEEN = (0.0, 0.23, 0.5, 0.71, 1.0)  # of a range: uneven, as what turns may come back half way
+_KEPT = 8
+_kept = {}  # (model, its values, ranges) -> Sets, the least recently used first
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,7 @@ class Range:
             number = self.least * (self.most / self.least) ** along
         else:
             number = self.least + (self.most - self.least) * along
+        number = min(max(number, self.least), self.most)  # rounding may lead beyond
         if self.parameter.kind == "color":
             return (number,) * 3
         return number if self.parameter.kind == "float" else self.parameter.check(round(number))
@@ -92,18 +94,19 @@ class Sets:
 
 
 def bake(model, parameters: dict, driven: dict | None = None, tell=None) -> Sets:
-    """Weights of a model for its `parameters`, over the ranges `driven`, {id: (least, most)}; the last are kept.
+    """Weights of a model for its `parameters`, over the ranges `driven`, {id: (least, most)}; the last few are kept.
 
     `tell(done, total)` is called before each set, and last. Raises ValueError as `weights.weights`, for what is no
     range, and where all sets together would be more than a shader can hold.
     """
     if not driven:
         return Sets((), (weights.weights(model, parameters),))
-    p = model.resolve(parameters)
-    ranges = tuple(_range(model, parameters, name, *driven[name]) for name in sorted(driven))
-    key = (model, repr(sorted(_settled(model, p, driven).items())), ranges,
+    settled = {name: value for name, value in parameters.items() if name not in driven}
+    p = model.resolve(settled)
+    ranges = _ranges(model, settled, {name: check(model.parameter(name), *driven[name]) for name in sorted(driven)})
+    key = (model, repr([q.single(p[q.id]) for q in model.parameters if q.evaluated]), ranges,
            tuple(q.stamp(p[q.id]) for q in model.parameters if q.kind == "image"))
-    found = _kept.get(key) or Sets(ranges, _sets(model, parameters, ranges, tell))
+    found = _kept.pop(key, None) or Sets(ranges, _sets(model, settled, ranges, tell))
     _kept[key] = found
     while len(_kept) > _KEPT:
         _kept.pop(next(iter(_kept)), None)  # another thread may have done so
@@ -121,28 +124,39 @@ def check(parameter, least: float, most: float) -> tuple:
     return least, most
 
 
-def _settled(model, p, driven):
-    """The values that stay as they are."""
-    return {q.id: q.single(p[q.id]) for q in model.parameters if q.evaluated and q.id not in driven}
+def _ranges(model, settled, bounds):
+    """The ranges of driven parameters, {id: (least, most)}, each with as many steps as it needs.
+
+    How it bends f may depend on the others that are driven: they are at their ends, and switches at all their values.
+    """
+    ends = {name: Range(model.parameter(name), *each, 2) for name, each in bounds.items()}
+    for name, each in ends.items():
+        if each.parameter.kind in ("bool", "int", "enum"):
+            ends[name] = replace(each, steps=round(each.most - each.least) + 1)
+    found = []
+    for name, each in ends.items():
+        if each.parameter.kind in ("bool", "int", "enum"):
+            found.append(each)
+            continue
+        others = [[(q, other.value(i)) for i in range(other.steps)] for q, other in ends.items() if q != name]
+        needs = (_range(model, {**settled, **dict(values)}, each) for values in itertools.product(*others))
+        found.append(max(needs, key=lambda need: need.steps))
+    return tuple(found)
 
 
-def _range(model, parameters, name, least, most):
-    """The range of a parameter with as many steps as it needs."""
-    parameter = model.parameter(name)
-    least, most = check(parameter, least, most)
-    if parameter.kind in ("bool", "int", "enum"):
-        return Range(parameter, least, most, round(most - least) + 1)
-    three = Range(parameter, least, most, 3)
-    low, middle, high = _looked_at(model, [{**parameters, name: three.value(i)} for i in range(3)])
-    size = max(np.abs(low).max(), np.abs(high).max())
-    if max(np.abs(low - high).max(), np.abs(low - middle).max()) <= 1e-9 * size:
-        return Range(parameter, least, most, 1)
-    if np.abs(low + high - 2.0 * middle).max() <= 1e-9 * size:
-        return Range(parameter, least, most, 2)
-    if not parameter.is_width:
-        return Range(parameter, least, most, EVEN_STEPS)
-    apart = math.log(WIDER) * (2.0 if parameter.logarithmic else 1.0)
-    return Range(parameter, least, most, 1 + math.ceil(math.log(most / least) / apart), geometric=True)
+def _range(model, parameters, ends):
+    """The range between the `ends` of one parameter, with as many steps as it needs for `parameters`."""
+    looked_at = _looked_at(model, [{**parameters, ends.parameter.id: ends.value(along)} for along in _BETWEEN])
+    low, high = looked_at[0], looked_at[-1]
+    bound = 1e-9 * max(np.abs(low).max(), np.abs(high).max())
+    if all(np.abs(f - low).max() <= bound for f in looked_at):
+        return replace(ends, steps=1)
+    if all(np.abs(f - low - along * (high - low)).max() <= bound for f, along in zip(looked_at, _BETWEEN, strict=True)):
+        return ends
+    if not ends.parameter.is_width:
+        return replace(ends, steps=EVEN_STEPS)
+    apart = math.log(WIDER) * (2.0 if ends.parameter.logarithmic else 1.0)
+    return replace(ends, steps=1 + math.ceil(math.log(ends.most / ends.least) / apart), geometric=True)
 
 
 def _looked_at(model, several) -> list:

@@ -42,22 +42,26 @@ def error(model, parameters: dict) -> WeightsError:
 
 
 def largest(model, parameters: dict, driven: dict | None = None) -> tuple:
-    """The largest errors of lobe and albedo up to 80 degrees, with those `driven` anywhere in their ranges.
+    """The largest errors of lobe and albedo up to 80 degrees, over the ranges of those `driven`.
 
-    Driven values are looked at halfway between each two steps, and, between views, in the middle of their ranges.
-    Raises ValueError as `ranges.bake`.
+    Between views these are at both ends and in the middle of their ranges, all together; halfway between two steps of
+    one the others are in the middle. A spike is not looked at. Raises ValueError as `ranges.bake`.
     """
     if not driven:
         return error(model, parameters).largest()
     sets = ranges.bake(model, parameters, driven)
+
+    def at(steps):
+        values = {each.parameter.id: each.value(step) for each, step in zip(sets.ranges, steps, strict=True)}
+        return {**parameters, **values}
+
     middle = [each.steps // 2 for each in sets.ranges]
-    of_middle = {each.parameter.id: each.value(step) for each, step in zip(sets.ranges, middle, strict=True)}
-    amid = {**parameters, **of_middle}
-    found = [_of_one(sets.at(middle), model, model.resolve(amid)).largest()]
+    corners = [[0] * len(middle), middle, [each.steps - 1 for each in sets.ranges]]
+    found = [_of_one(sets.at(steps), model, model.resolve(at(steps))).largest() for steps in corners]
     for place, each in enumerate(sets.ranges):
         for step, value in enumerate(each.halfway):
             near = [sets.at([*middle[:place], step + up, *middle[place + 1 :]]) for up in (0, 1)]
-            found += _between_steps(near, model, model.resolve({**amid, each.parameter.id: value}))
+            found += _between_steps(near, model, model.resolve({**at(middle), each.parameter.id: value}))
     return tuple(float(np.abs(part).max()) for part in zip(*found, strict=True))
 
 

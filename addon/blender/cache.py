@@ -63,7 +63,7 @@ def key(model, parameters: dict, what: str, driven: dict | None = None) -> str:
     Of parameters that are `driven`, {id: (least, most)}, the values do not.
     """
     p, driven = model.resolve(parameters), driven or {}
-    used = [(q.id, tuple(driven[q.id]) if q.id in driven else (q.single(p[q.id]), q.stamp(p[q.id])))
+    used = [(q.id, tuple(map(float, driven[q.id])) if q.id in driven else (q.single(p[q.id]), q.stamp(p[q.id])))
             for q in model.parameters if q.evaluated]
     text = repr((what, model.id, used, bpy.app.version[:2], _version()))
     return hashlib.sha256(text.encode()).hexdigest()

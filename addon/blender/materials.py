@@ -8,7 +8,6 @@ from ..shading import source
 from . import groups, nodes, osl, rebake, stand_in
 from .groups import model_of
 from .nodes import carried, find_node, is_linked, note_values, require, values, write
-from .replace import replace_node
 
 CYCLES_OUTPUT, STAND_IN_OUTPUT = "Cycles Output", "EEVEE Output"
 
@@ -69,8 +68,8 @@ def set_values(node, new: dict):
     require(node, new)
     for parameter, value in new.items():
         write(node, parameter, value)
-    material = next((m for m in bpy.data.materials if m.node_tree == node.id_data), None)
-    if material is not None:  # a node inside a group has no one material
+    material = nodes.material_of(node)
+    if material is not None:
         update_viewport(material)
     rebake.where_stale(node)
 
@@ -108,15 +107,13 @@ def change_model(material, model_id: str, given: dict | None = None):
     """
     old, model = _node_of(material), brdf.find_model(model_id)
     before = groups.sockets(old)
-    # What is baked is baked once, for the values that the node is going to have.
+    # What is baked is baked once, for the values that the node is going to have, or over ranges of what drives it.
     wanted = carried(model, before) if given is None else given
-    new = groups.add_node(material.node_tree, model, groups.lut_of(old.node_tree), wanted)
-    replace_node(old, before, new)
+    new = nodes.take_over(old, before, model, wanted)
     for key, value in (given or {}).items():
         write(new, model.parameter(key), value)
-    note_values(new)
+    rebake.settle(new)
     update_viewport(material)
-    rebake.where_stale(new)  # links that stay are baked over ranges
 
 
 def convert(material, model_id: str):

@@ -7,7 +7,7 @@ import numpy as np
 from ..baking import ranges, weights_error
 from . import cache, groups, osl, stand_in
 from .groups import model_of
-from .replace import curves
+from .replace import curves, replace_node
 from .words import say
 
 BAKED_KEY = "plausible_baked"  # of a group: the values that the weights of a baked model were made for
@@ -27,6 +27,11 @@ def find_node(material):
     if material is None or material.node_tree is None:
         return None
     return next((node for node in material.node_tree.nodes if model_of(node) is not None), None)
+
+
+def material_of(node):
+    """The material whose tree a node is in; None for one inside a group, which may be in several."""
+    return next((m for m in bpy.data.materials if m.node_tree == node.id_data), None)
 
 
 def socket_of(node, parameter):
@@ -55,6 +60,22 @@ def read(socket, parameter):
 def carried(model, before: dict) -> dict:
     """Values, by parameter id, that a node of `model` takes over from the sockets `before`, held to their ranges."""
     return {p.id: p.clamp(read(before[p.id], p)) for p in model.parameters if p.evaluated and p.id in before}
+
+
+def take_over(old, before: dict, model, given: dict):
+    """Put a node of `model` in the place of `old`, whose sockets by parameter id are `before`; returns it.
+
+    Where the model is baked it is so for the values `given`; but where something goes on to drive it, which takes
+    ranges and longer, its weights are blank until they are baked. Raises as `groups.add_node`.
+    """
+    ids = _moved(before, old.id_data) if model.baked else set()
+    lut = groups.lut_of(old.node_tree)
+    if any(p.id in ids and p.can_be_driven for p in model.parameters):
+        new = groups.add_compiled(old.id_data, model, osl.compile_blank(model), lut)
+    else:
+        new = groups.add_node(old.id_data, model, lut, given)
+    replace_node(old, before, new)
+    return new
 
 
 def write(node, parameter, value):
@@ -122,19 +143,19 @@ def _baked_for(tree):
         return None, {}, {}
 
 
-def _noted(node, driven):
-    """What weights are for, as text: values that do not change, stamps of files, ranges of the `driven`."""
-    given = {name: value for name, value in values(node).items() if name not in driven}
+def _noted(node, over):
+    """What weights are for, as text: values that do not change, stamps of files, the ranges `over` of the driven."""
+    given = {name: value for name, value in values(node).items() if name not in over}
     stamps = {p.id: p.stamp(given[p.id]) for p in model_of(node).parameters if p.kind == "image"}
-    return json.dumps([given, stamps, driven])
+    return json.dumps([given, stamps, over])
 
 
 def _read_noted(text):
     """(values, ranges, stamps) of `_noted`; files of older versions know no ranges. Raises TypeError, ValueError."""
-    given, stamps, moved = [*json.loads(text), {}][:3]
-    if not isinstance(stamps, dict) or not isinstance(moved, dict):
+    given, stamps, over = [*json.loads(text), {}][:3]
+    if not isinstance(stamps, dict) or not isinstance(over, dict):
         raise ValueError(text)
-    return given, moved, stamps
+    return given, over, stamps
 
 
 def baked_error(node):
@@ -142,16 +163,21 @@ def baked_error(node):
     return groups.pair_of(node.node_tree.get(ERROR_KEY))
 
 
+def moved(node) -> set:
+    """Ids of the parameters that links, drivers or keyframes change."""
+    return _moved(groups.sockets(node), node.id_data)
+
+
+def _moved(sockets, tree):
+    paths = {curve.data_path for curve in curves(tree)}
+    return {name for name, socket in sockets.items() if socket.is_linked or _path(socket) in paths}
+
+
 def driven(node) -> dict:
-    """{parameter id: (least, most)} of what links, drivers or keyframes change of a baked model: see `range_of`."""
-    return {p.id: range_of(node, p) for p in model_of(node).parameters if is_driven(node, p)}
-
-
-def is_driven(node, parameter) -> bool:
-    """Whether something changes a parameter that a model is baked for."""
-    socket = socket_of(node, parameter) if model_of(node).baked and parameter.can_be_driven else None
-    return socket is not None and (
-        socket.is_linked or any(curve.data_path == _path(socket) for curve in curves(node.id_data)))
+    """{parameter id: (least, most)} of those `moved` that a model is baked over, see `range_of`."""
+    model = model_of(node)
+    ids = moved(node) if model.baked else set()
+    return {p.id: range_of(node, p) for p in model.parameters if p.id in ids and p.can_be_driven}
 
 
 def range_of(node, parameter) -> tuple:
@@ -167,7 +193,12 @@ def range_of(node, parameter) -> tuple:
 
 
 def set_range(node, parameter, least: float, most: float):
-    """Choose what a parameter is baked over where it is driven. Raises ValueError as `baking.ranges.check`."""
+    """Choose what a parameter is baked over where it is driven.
+
+    Raises ValueError as `baking.ranges.check`, and of a model that is not baked.
+    """
+    if not model_of(node).baked:
+        raise ValueError(f"{model_of(node).id} follows what drives {parameter.id} as it is: it has no range")
     chosen = {parameter.id: ranges.check(parameter, least, most)}
     groups.own(node)
     node.node_tree[groups.RANGES_KEY] = json.dumps({**_ranges(node.node_tree), **chosen})
@@ -187,19 +218,26 @@ def _path(socket):
 
 
 def _reach(node, parameter):
-    """(least, most) value of a parameter's keyframes; None, None without any."""
-    path = _path(socket_of(node, parameter))
-    values = [curve.evaluate(frame) for curve in curves(node.id_data) if curve.data_path == path and not curve.driver
-              and len(curve.keyframe_points) and curve.array_index < 3
-              for frame in np.linspace(*curve.range(), _FRAMES)]
+    """(least, most) value of a parameter's keyframes; None, None where a link or a driver rules, or nothing does."""
+    socket = socket_of(node, parameter)
+    ours = [curve for curve in curves(node.id_data) if curve.data_path == _path(socket) and curve.array_index < 3]
+    if socket.is_linked or any(curve.driver for curve in ours):
+        return None, None
+    values = [curve.evaluate(frame) for curve in ours for frame in _frames(curve)]
     held = [min(max(value, parameter.minimum), parameter.maximum) for value in values]
     return (min(held), max(held)) if held else (None, None)
 
 
+def _frames(curve):
+    """Frames that tell how far a curve goes: those of its keyframes, and some between."""
+    keys = [key.co[0] for key in curve.keyframe_points]
+    return np.union1d(keys, np.linspace(keys[0], keys[-1], _FRAMES)) if keys else []
+
+
 def wanted(node) -> tuple:
     """(values, ranges of the driven) that a node's weights ought to be for."""
-    moved = driven(node)
-    return {name: value for name, value in values(node).items() if name not in moved}, moved
+    over = driven(node)
+    return {name: value for name, value in values(node).items() if name not in over}, over
 
 
 def bake_weights(node, error: tuple | None = None):
@@ -207,26 +245,28 @@ def bake_weights(node, error: tuple | None = None):
 
     `error` is that of the weights if it is known. Raises ValueError, osl.OslError as `create_material`.
     """
-    given, moved = wanted(node)
-    groups.load(node, given, moved)
-    note_values(node, error, moved)
+    given, over = wanted(node)
+    groups.load(node, given, over)
+    note_values(node, error, over)
 
 
-def note_values(node, error: tuple | None = None, moved: dict | None = None):
+def note_values(node, error: tuple | None = None, over: dict | None = None):
     """Remember what a baked model's weights, just put into its node, are for, and show it in the stand-in.
 
-    `moved` are the ranges of what is driven.
+    `over` are the ranges of what is driven.
     """
     model = model_of(node)
     if model.baked:
         given, tree = values(node), node.node_tree
-        tree[BAKED_KEY] = _noted(node, moved or {})
-        # What keyframes reach is looked up again when they change; a driver's value is another at every frame.
-        kept = {name: each for name, each in (moved or {}).items() if _reach(node, model.parameter(name))[0] is None}
+        tree[BAKED_KEY] = _noted(node, over or {})
+        # A driver's socket has another value at every frame: the range about the first one stays.
+        paths = {curve.data_path for curve in curves(node.id_data) if curve.driver}
+        held = groups.sockets(node)
+        kept = {name: each for name, each in (over or {}).items() if _path(held[name]) in paths}
         if kept:
             tree[groups.RANGES_KEY] = json.dumps({**_ranges(tree), **kept})
-        tree[ERROR_KEY] = cache.fetch(cache.key(model, given, "error", moved),
-                                      lambda: error or weights_error.largest(model, given, moved))
+        tree[ERROR_KEY] = cache.fetch(cache.key(model, given, "error", over),
+                                      lambda: error or weights_error.largest(model, given, over))
         show(node)
 
 

@@ -54,9 +54,15 @@ def is_kept(model, parameters: dict, driven: dict | None = None) -> bool:
 def check_model(model):
     """Compile a model's shader without what is baked for its parameters. Raises as `compile_model`."""
     if model.baked:
-        _compiled_once(model, source.assemble(model, baked=ranges.Sets((), (weights.blank(model, {}),))))
+        compile_blank(model)
     else:
         compile_model(model)
+
+
+def compile_blank(model) -> str:
+    """Bytecode of a baked model's shader that is for no values, and so striped. Raises OslError when it is wrong."""
+    text = source.assemble(model, baked=ranges.Sets((), (weights.blank(model, {}),)))
+    return _compiled_once(model, text.replace("#define MODEL_MATCHES ", "#define MODEL_MATCHES 0 && "))
 
 
 def _compiled_once(model, text):

@@ -6,7 +6,7 @@ import bpy
 from ..brdf.disk_model import DiskModel
 from ..brdf.parameters import COLOR, LOBE, RETROREFLECTION
 from . import bakes, icons, luts, rebake, status, switches
-from .nodes import baked_error, driven, is_driven, is_linked, is_stale, model_of, socket_of, values
+from .nodes import baked_error, driven, is_linked, is_stale, model_of, socket_of, values
 from .operators import material_of, plausible_node
 from .properties import NAMES, RANGES
 from .words import look_up, say
@@ -75,7 +75,7 @@ def draw_parameter(layout, material, node, parameter):
         column.prop(group, name, index=2, text="B")
     elif parameter.kind != "vector":  # three numbers tell nobody a direction: a vector is for links
         layout.prop(group, name, text=parameter.label)
-    if parameter in RANGES and is_driven(node, parameter):
+    if parameter in RANGES and parameter.id in driven(node):
         layout.row(align=True).prop(group, RANGES[parameter])
 
 
@@ -138,12 +138,12 @@ def draw_weights(layout, context, material, node):
     if rebake.is_running(material):
         done, total = rebake.progress(material)
         row = layout.row(align=True)
-        text = "Baking the weights for these values" if total == 1 else "Baking the weights over ranges"
+        text = "Baking the weights over ranges" if driven(node) else "Baking the weights for these values"
         row.progress(factor=done / total, text=look_up(text))
         row.operator("plausible.cancel_weights", text="", icon="X")
     elif is_stale(node):
         box = layout.box()
-        problem = rebake.problem(material)
+        problem = rebake.problem(material, node)
         draw_text(box, context, problem or "The weights are for other values", "ERROR" if problem else "TIME")
         box.operator("plausible.bake_weights")
     elif baked_error(node):

@@ -10,17 +10,23 @@ from .areas import redraw
 REST = 0.3  # seconds that values rest before their weights are baked
 _TICK = 0.1  # seconds between two looks at a bake
 _jobs = {}  # material name -> _Job
-_problems = {}  # material name -> why its weights could not be made
+_given_up = {}  # material name -> what its weights were wanted for, see `nodes.wanted`, and why they were not made
 
 
 def soon(material):
     """Bake a material's weights when its values have rested for a moment; a bake for older values is dropped."""
     name = material.name_full
-    _problems.pop(name, None)
+    _given_up.pop(name, None)
     if name not in _jobs:
         _jobs[name] = _Job(name)
-        bpy.app.timers.register(_jobs[name].look, first_interval=REST)
+        _jobs[name].start()
     _jobs[name].rest()
+
+
+def follow(material, node):
+    """`soon`, where a material's node is stale, unless a bake for what it holds was cancelled or failed before."""
+    if nodes.is_stale(node) and _given_up.get(material.name_full, (None,))[0] != nodes.wanted(node):
+        soon(material)
 
 
 def where_stale(node):
@@ -30,12 +36,18 @@ def where_stale(node):
     """
     if not nodes.is_stale(node):
         return
-    # A node inside a group has no one material.
-    material = next((m for m in bpy.data.materials if m.node_tree == node.id_data), None)
+    material = nodes.material_of(node)
     if bpy.app.background or material is None:
         nodes.bake_weights(node)
     else:
         soon(material)
+
+
+def settle(node):
+    """Note what a node that `nodes.take_over` made is baked for, or bake it over the ranges of what drives it."""
+    if not nodes.driven(node):
+        nodes.note_values(node)
+    where_stale(node)
 
 
 def is_running(material) -> bool:
@@ -49,22 +61,25 @@ def progress(material) -> tuple:
     return job.work.progress if job and job.work else (0, 1)
 
 
-def problem(material) -> str | None:
-    """Why a material's weights could not be made when it was tried last."""
-    return _problems.get(material.name_full)
+def problem(material, node) -> str | None:
+    """Why a material's weights could not be made for what its node holds, where that was tried."""
+    wanted, reason = _given_up.get(material.name_full, (None, None))
+    return reason if reason and wanted == nodes.wanted(node) else None
 
 
 def cancel(material):
     """Drop a material's bake: its weights stay as they are, until its values change again."""
-    if material.name_full in _jobs:
-        _jobs[material.name_full].drop()
+    job = _jobs.get(material.name_full)
+    if job is not None:
+        job.drop()
+        _given_up[job.name] = nodes.wanted(nodes.find_node(material)), None
 
 
 def stop():
     """Drop all bakes; what a thread still computes is thrown away."""
     for job in list(_jobs.values()):
         job.drop()
-    _problems.clear()
+    _given_up.clear()
 
 
 class _Dropped(Exception):
@@ -76,6 +91,11 @@ class _Job:
 
     def __init__(self, name):
         self.name, self.rested, self.work = name, False, None
+        self.timer = self.look  # Blender knows a timer by the object
+
+    def start(self):
+        """Begin to look, also on when another file is opened, as that has materials of its own."""
+        bpy.app.timers.register(self.timer, first_interval=REST, persistent=True)
 
     def rest(self):
         """Values have changed: wait for them to rest once more."""
@@ -83,12 +103,14 @@ class _Job:
 
     def drop(self):
         """End without a result."""
-        if bpy.app.timers.is_registered(self.look):
-            bpy.app.timers.unregister(self.look)
+        if bpy.app.timers.is_registered(self.timer):
+            bpy.app.timers.unregister(self.timer)
         self._end()
 
     def look(self):
         """Seconds until the next look; None when there is nothing left to do, or it cannot be done: that is told."""
+        if _jobs.get(self.name) is not self:
+            return None
         try:
             return self._look()
         except (RuntimeError, ValueError, OSError) as error:  # as where a file of the extension is gone
@@ -114,12 +136,13 @@ class _Job:
             self.work.start()
             return _TICK
         if self.work.error is not None:  # the weights stay stale, which the panel shows
-            return self._fail(self.work.error)
+            return self._fail(self.work.error, wanted)
         nodes.bake_weights(node, self.work.largest)  # at once: the thread's weights are kept
         return self._end()
 
-    def _fail(self, error):
-        _problems[self.name] = str(error)
+    def _fail(self, error, wanted=None):
+        if wanted is not None:
+            _given_up[self.name] = wanted, str(error)
         print(f"Plausible BRDF: {self.name}: {error}")
         return self._end()
 

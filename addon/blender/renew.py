@@ -3,7 +3,6 @@ import bpy
 
 from . import groups, nodes, rebake
 from .operators import material_of, osl_works, reporting
-from .replace import replace_node
 from .words import say
 
 
@@ -46,13 +45,9 @@ def renew(old):
 
     Raises as `groups.add_node`.
     """
-    tree, model = old.node_tree, groups.named_model(old.node_tree)
+    model = groups.named_model(old.node_tree)
     before = groups.sockets(old) if groups.model_of(old) else _by_label(old, model)
-    # What is baked is baked for the values that the node is going to have.
-    new = groups.add_node(old.id_data, model, groups.lut_of(tree), nodes.carried(model, before))
-    replace_node(old, before, new)
-    nodes.note_values(new)
-    rebake.where_stale(new)  # links that stay are baked over ranges
+    rebake.settle(nodes.take_over(old, before, model, nodes.carried(model, before)))
 
 
 def _by_label(node, model):

@@ -78,7 +78,7 @@ def upgrade(old):
     if model.baked:
         script = old if is_script else groups.script_of(old)
         new = groups.add_compiled(tree, model, script.bytecode, lut)
-        for key in (nodes.BAKED_KEY, nodes.ERROR_KEY, groups.RANGES_KEY):
+        for key in (nodes.BAKED_KEY, nodes.ERROR_KEY):
             if key in held:
                 new.node_tree[key] = held[key]
     else:

@@ -24,8 +24,7 @@ def _look():
         if node is None or not material.is_editable:
             continue
         materials.update_viewport(material)
-        if nodes.is_stale(node):
-            rebake.soon(material)
+        rebake.follow(material, node)
 
 
 def start():
