@@ -68,7 +68,7 @@ def take_over(old, before: dict, model, given: dict):
     Where the model is baked it is so for the values `given`; but where something goes on to drive it, which takes
     ranges and longer, its weights are blank until they are baked. Raises as `groups.add_node`.
     """
-    ids = _moved(before, old.id_data) if model.baked else set()
+    ids = moved(before, old.id_data) if model.baked else set()
     lut = groups.lut_of(old.node_tree)
     if any(p.id in ids and p.can_be_driven for p in model.parameters):
         new = groups.add_compiled(old.id_data, model, osl.compile_blank(model), lut)
@@ -163,12 +163,8 @@ def baked_error(node):
     return groups.pair_of(node.node_tree.get(ERROR_KEY))
 
 
-def moved(node) -> set:
-    """Ids of the parameters that links, drivers or keyframes change."""
-    return _moved(groups.sockets(node), node.id_data)
-
-
-def _moved(sockets, tree):
+def moved(sockets: dict, tree) -> set:
+    """Ids of the parameters whose sockets, in a node tree, links, drivers or keyframes change."""
     paths = {curve.data_path for curve in curves(tree)}
     return {name for name, socket in sockets.items() if socket.is_linked or _path(socket) in paths}
 
@@ -176,7 +172,7 @@ def _moved(sockets, tree):
 def driven(node) -> dict:
     """{parameter id: (least, most)} of those `moved` that a model is baked over, see `range_of`."""
     model = model_of(node)
-    ids = moved(node) if model.baked else set()
+    ids = moved(groups.sockets(node), node.id_data) if model.baked else set()
     return {p.id: range_of(node, p) for p in model.parameters if p.id in ids and p.can_be_driven}
 
 
