@@ -48,13 +48,12 @@ class Range:
         number = min(max(number, self.least), self.most)  # rounding may lead beyond
         if self.parameter.kind == "color":
             return (number,) * 3
-        return number if self.parameter.kind == "float" else self.parameter.check(round(number))
+        return self.parameter.check(round(number)) if self.parameter.is_whole else number
 
     @property
     def halfway(self) -> list:
         """The values halfway between neighbouring steps; none where there is nothing between them."""
-        whole = self.parameter.kind not in ("float", "color")
-        return [] if whole else [self.value(step + 0.5) for step in range(self.steps - 1)]
+        return [] if self.parameter.is_whole else [self.value(step + 0.5) for step in range(self.steps - 1)]
 
 
 @dataclass(frozen=True)
@@ -131,11 +130,11 @@ def _ranges(model, settled, bounds):
     """
     ends = {name: Range(model.parameter(name), *each, 2) for name, each in bounds.items()}
     for name, each in ends.items():
-        if each.parameter.kind in ("bool", "int", "enum"):
+        if each.parameter.is_whole:
             ends[name] = replace(each, steps=round(each.most - each.least) + 1)
     found = []
     for name, each in ends.items():
-        if each.parameter.kind in ("bool", "int", "enum"):
+        if each.parameter.is_whole:
             found.append(each)
             continue
         others = [[(q, other.value(i)) for i in range(other.steps)] for q, other in ends.items() if q != name]

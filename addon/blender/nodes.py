@@ -169,11 +169,16 @@ def moved(sockets: dict, tree) -> set:
     return {name for name, socket in sockets.items() if socket.is_linked or _path(socket) in paths}
 
 
+def is_driven(node, parameter) -> bool:
+    """Whether a parameter is one of those `moved` and its model is baked over a range of it."""
+    socket = socket_of(node, parameter)
+    return (model_of(node).baked and parameter.can_be_driven and socket is not None
+            and bool(moved({parameter.id: socket}, node.id_data)))
+
+
 def driven(node) -> dict:
-    """{parameter id: (least, most)} of those `moved` that a model is baked over, see `range_of`."""
-    model = model_of(node)
-    ids = moved(groups.sockets(node), node.id_data) if model.baked else set()
-    return {p.id: range_of(node, p) for p in model.parameters if p.id in ids and p.can_be_driven}
+    """{parameter id: (least, most)} of those that are driven, see `is_driven` and `range_of`."""
+    return {p.id: range_of(node, p) for p in model_of(node).parameters if is_driven(node, p)}
 
 
 def range_of(node, parameter) -> tuple:

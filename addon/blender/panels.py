@@ -6,7 +6,7 @@ import bpy
 from ..brdf.disk_model import DiskModel
 from ..brdf.parameters import COLOR, LOBE, RETROREFLECTION
 from . import bakes, icons, luts, rebake, status, switches
-from .nodes import baked_error, driven, is_linked, is_stale, model_of, socket_of, values
+from .nodes import baked_error, driven, is_driven, is_linked, is_stale, model_of, socket_of, values
 from .operators import material_of, plausible_node
 from .properties import NAMES, RANGES
 from .words import look_up, say
@@ -75,7 +75,7 @@ def draw_parameter(layout, material, node, parameter):
         column.prop(group, name, index=2, text="B")
     elif parameter.kind != "vector":  # three numbers tell nobody a direction: a vector is for links
         layout.prop(group, name, text=parameter.label)
-    if parameter in RANGES and parameter.id in driven(node):
+    if parameter in RANGES and is_driven(node, parameter):
         layout.row(align=True).prop(group, RANGES[parameter])
 
 

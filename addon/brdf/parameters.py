@@ -50,6 +50,11 @@ class Parameter:
         return self.evaluated and self.kind not in ("image", "vector")
 
     @property
+    def is_whole(self) -> bool:
+        """Whether it is a switch, a choice or a count, with nothing between its values."""
+        return self.kind in ("bool", "int", "enum")
+
+    @property
     def is_width(self) -> bool:
         """Whether it scales a lobe: equal ratios of it are equal steps."""
         return self.kind == "float" and self.minimum > 0.0

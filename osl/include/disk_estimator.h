@@ -26,6 +26,7 @@
 #define LITTLE_LEFT 0.02  // of the volume: with less, splats are drawn at fewer hits, and are heavier
 #define HEAVIEST 3.0      // weight of all splats of a lump
 #define AT_REST 0.8       // share of a steep lump's splats that is drawn where its bells leave something
+#define FAR 25.0          // where a bell has e^-25 of its height, and is taken for 0
 #define DRAWN_RADIUS 1.45  // what splats are drawn from is a lump of this radius, 1.16 times as wide as a sharp lump
 
 struct Bell {
@@ -34,6 +35,10 @@ struct Bell {
     float alpha_x;
     float alpha_y;
     float weight;
+    // Of those whose value is asked for, see bell_seen:
+    vector across;
+    float shadowed;  // 1 + Lambda of the view
+    float height;    // what of the value does not depend on the light; 0 where the bell is not seen
 };
 
 struct Bells {
@@ -93,37 +98,49 @@ Bell make_bell(Disk d, Lump p, Spot s, float deviation, float weight, output flo
     return bell;
 }
 
-float bell_lambda(vector v, float ax, float ay)
+float bell_lambda(float x, float y, float z)
 {
-    float slope2 = (v[0] * v[0] * ax * ax + v[1] * v[1] * ay * ay) / max(v[2] * v[2], 1e-12);
+    float slope2 = (x * x + y * y) / max(z * z, 1e-12);
     if (slope2 < 0.39)
         return 0.0;
     float a = inversesqrt(slope2);
     return ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a);
 }
 
-// f (N.L) of a bell as Cycles evaluates it (Walter et al. 2007, eq. 20, 25, and Heitz 2014).
-float bell_value(Bell b, vector view, vector light)
+// The bell with what bell_value needs that is the same for all lights.
+Bell bell_seen(Bell bell, vector view)
 {
-    vector y = normalize(cross(b.facet, b.along));
-    vector x = cross(y, b.facet);
-    vector h = normalize(view + light);
-    vector l = vector(dot(x, light), dot(y, light), dot(b.facet, light));
-    vector v = vector(dot(x, view), dot(y, view), dot(b.facet, view));
-    float hz = dot(b.facet, h);
-    if (l[2] <= 0.0 || v[2] <= 0.0 || hz <= 0.0)
-        return 0.0;
-    float hx = dot(x, h) / (hz * b.alpha_x);
-    float hy = dot(y, h) / (hz * b.alpha_y);
-    float d = exp(-hx * hx - hy * hy) / (M_PI * b.alpha_x * b.alpha_y * hz * hz * hz * hz);
-    return d / (4.0 * v[2] * (1.0 + bell_lambda(v, b.alpha_x, b.alpha_y) + bell_lambda(l, b.alpha_x, b.alpha_y)));
+    Bell b = bell;
+    b.across = normalize(cross(b.facet, b.along));
+    b.along = cross(b.across, b.facet);
+    float z = dot(b.facet, view);
+    b.shadowed = 1.0 + bell_lambda(dot(b.along, view) * b.alpha_x, dot(b.across, view) * b.alpha_y, z);
+    b.height = z > 0.0 ? b.weight / (4.0 * M_PI * b.alpha_x * b.alpha_y * z) : 0.0;
+    return b;
 }
 
-float bells_value(Bells b, vector view, vector light)
+// f (N.L) of a bell of bell_seen, its weight included, as Cycles evaluates it (Walter et al. 2007, eq. 20, 25, and Heitz
+// 2014); `h` is the unit half vector.
+float bell_value(Bell b, vector light, vector h)
+{
+    float z = dot(b.facet, light);
+    float hz = dot(b.facet, h);
+    if (z <= 0.0 || hz <= 0.0)
+        return 0.0;
+    float hx = dot(b.along, h) / (hz * b.alpha_x);
+    float hy = dot(b.across, h) / (hz * b.alpha_y);
+    float away = hx * hx + hy * hy;
+    if (away > FAR)
+        return 0.0;
+    float lambda = bell_lambda(dot(b.along, light) * b.alpha_x, dot(b.across, light) * b.alpha_y, z);
+    return b.height * exp(-away) / (hz * hz * hz * hz * (b.shadowed + lambda));
+}
+
+float bells_value(Bells b, vector light, vector h)
 {
     float sum = 0.0;
     for (int i = 0; i < b.count; i += 1)
-        sum += b.all[i].weight * bell_value(b.all[i], view, light);
+        sum += bell_value(b.all[i], light, h);
     return sum;
 }
 
@@ -141,7 +158,7 @@ void add_bell(Disk d, Lump p, float x, float y, float deviation, float weight, o
         Bell bell = make_bell(d, p, s, deviation, weight, shrunk);
         bell.weight *= shrunk * shrunk;  // no higher than a whole bell
         if (bell.weight > 1e-5) {
-            b.all[b.count] = bell;
+            b.all[b.count] = bell_seen(bell, d.frame.view);
             b.count += 1;
             b.total += bell.weight;
         }
@@ -293,7 +310,7 @@ closure color estimate_lump(Disk d, Lump given, Target t, color tint, vector num
         float shrunk;
         if (density > 0.0 && disk_spot(d, lump_point(p, at[0], at[1]), s)) {
             float wide = spread * min(widest * deviation, max(TO_EDGE * (1.0 - r), at_edge));
-            float based = bells_value(b, d.frame.view, s.light) * p.radii[0] * p.radii[1] / s.stretch;
+            float based = bells_value(b, s.light, s.h) * p.radii[0] * p.radii[1] / s.stretch;
             // What a splat blurs away from its part of the lump itself is put back.
             if (sharpened)
                 based += max(1.0 - b.share, 0.0) * 0.5 * wide * wide * lump_curvature(at, p.n);
