@@ -90,8 +90,10 @@ Bell make_bell(Disk d, Lump p, Spot s, float deviation, float weight, output flo
     bell.facet = normalize(s.h - lean);
     float mean = 0.5 * (xx + yy);
     float apart = hypot(0.5 * (xx - yy), xy);
-    float turn = 0.5 * atan2(2.0 * xy, xx - yy);
-    bell.along = cos(turn) * e1 + sin(turn) * e2;
+    // Cosine and sine of half the angle whose cosine is this.
+    float double_turn = 0.5 * (xx - yy) / max(apart, 1e-12);
+    bell.along = sqrt(0.5 * max(1.0 + double_turn, 0.0)) * e1
+               + (xy < 0.0 ? -1.0 : 1.0) * sqrt(0.5 * max(1.0 - double_turn, 0.0)) * e2;
     bell.alpha_x = clamp(sqrt(2.0 * (mean + apart)), NARROWEST, 1.0);
     bell.alpha_y = clamp(sqrt(2.0 * max(mean - apart, 0.0)), NARROWEST, 1.0);
     bell.weight = weight;
