@@ -349,6 +349,11 @@ SHADERS = (
              "return mu * mu / (1.0 + 0.9 * sqrt(max(1.0 - mu * mu, 0.0)));",
              _in("render_disk", "test_furnace[disk_scaling-exponent=1]",
              "test_sphere_under_a_sun[disk_scaling-exponent=5-(0.0, 40.0, 65.0, 80.0)]")),
+    Mutation("shader-bell-height", f"{_INCLUDE}/disk_estimator.h",
+             "b.weight / (4.0 * M_PI * b.alpha_x", "b.weight / (4.1 * M_PI * b.alpha_x",
+             _in("render_disk", "test_furnace[disk_orthogonal-exponent=1]")),
+    Mutation("shader-bell-turn", f"{_INCLUDE}/disk_estimator.h", "(xy < 0.0 ? -1.0 : 1.0) * sqrt", "sqrt", _in(
+        "render_disk", "test_point_by_point[disk_scaling-exponent=10 radius_u=1 radius_v=0.3 rotation=0.1-40.0]")),
     Mutation("shader-rest-density", f"{_INCLUDE}/disk_estimator.h",
              "density += at_rest / (BELL_KNOTS * M_PI * (high - low));",
              "density += at_rest / (BELL_KNOTS * 3.0 * (high - low));", _in("render_disk",
