@@ -352,8 +352,6 @@ SHADERS = (
     Mutation("shader-bell-height", f"{_INCLUDE}/disk_estimator.h",
              "b.weight / (4.0 * M_PI * b.alpha_x", "b.weight / (4.1 * M_PI * b.alpha_x",
              _in("render_disk", "test_furnace[disk_orthogonal-exponent=1]")),
-    Mutation("shader-bell-turn", f"{_INCLUDE}/disk_estimator.h", "(xy < 0.0 ? -1.0 : 1.0) * sqrt", "sqrt", _in(
-        "render_disk", "test_point_by_point[disk_scaling-exponent=10 radius_u=1 radius_v=0.3 rotation=0.1-40.0]")),
     Mutation("shader-rest-density", f"{_INCLUDE}/disk_estimator.h",
              "density += at_rest / (BELL_KNOTS * M_PI * (high - low));",
              "density += at_rest / (BELL_KNOTS * 3.0 * (high - low));", _in("render_disk",
@@ -386,7 +384,7 @@ SHADERS = (
              "!geometric ? log(at / least)", _in("render_ranges", "test_keyframes_are_followed")),
     Mutation("shader-ranges-neighbours", f"{_INCLUDE}/weights.h", "rest = rest / steps[i];", "rest = rest / steps[0];",
              _in("render_ranges", "test_furnace[ward-{'roughness_u': 0.11, 'base_color': (0.9, 0.4, 0.05)}-"
-                 "{'roughness_u': (0.1, 0.12)}-{'roughness_v': 0.12}-0.0025]")),
+                 "{'roughness_u': (0.1, 0.13)}-{'roughness_v': 0.12}-0.0025]")),
     Mutation("shader-ranges-weight", f"{_INCLUDE}/weights.h", "places, steps) * (all / likely[set]);",
              "places, steps) * 3.0;", _in("render_ranges", "test_a_texture_is_followed_from_point_to_point")),
     Mutation("ranges-steps", "addon/baking/ranges.py", "(2.0 if ends.parameter.logarithmic else 1.0)",

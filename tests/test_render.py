@@ -817,7 +817,7 @@ def test_without_light_spread(model):
     view = view_at(cosines([60.0]))
     turn = np.radians([0.0, 20.0])  # about the normal, away from the mirror direction
     lights = np.stack([-view[0, 0] * np.cos(turn), view[0, 0] * np.sin(turn), np.full(2, view[0, 2])], axis=-1)
-    f, noise = verify.goniometer(material, 60.0, lights, samples=1 << 14)
+    f, noise = verify.goniometer(material, 60.0, lights, samples=1 << 15)
     f, noise, reference = (x * lights[:, 2:] / peak_of(model, parameters, view)
                            for x in (f, noise, rgb(brdf.MODELS[model].evaluate(view, lights, **parameters))))
     assert_good(verify.compare(f, reference, noise, 0.2 * POINT_BOUND), POINT_NOISE)

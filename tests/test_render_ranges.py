@@ -59,8 +59,8 @@ def driven(model, values, ranges=None, **given):
 # Values at steps, halfway between, at the ends of ranges, and of colours that differ from channel to channel.
 ORANGE = (0.9, 0.4, 0.05)
 CASES = [
-    ("ward", {"roughness_u": 0.11, "base_color": ORANGE}, {"roughness_u": (0.1, 0.12)},
-     {"roughness_v": 0.12}, 2.5e-3),
+    ("ward", {"roughness_u": 0.11, "base_color": ORANGE}, {"roughness_u": (0.1, 0.13)},
+     {"roughness_v": 0.12}, 2.5e-3),  # of other numbers of steps
     ("blinn_fresnel", {"exponent": 57.0, "base_color": ORANGE, "diffuse_color": (0.0, 0.3, 0.1)},
      {"exponent": (48.0, 67.0)}, {"fresnel_type": "schlick"}, 2.5e-3),
     ("he_torrance", {"sigma": 0.028}, {"sigma": (0.02, 0.04)}, {}, 6e-3),  # the most of it is its mirror spike
