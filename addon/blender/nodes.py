@@ -68,9 +68,8 @@ def take_over(old, before: dict, model, given: dict):
     Where the model is baked it is so for the values `given`; but where something goes on to drive it, which takes
     ranges and longer, its weights are blank until they are baked. Raises as `groups.add_node`.
     """
-    ids = moved(before, old.id_data) if model.baked else set()
     lut = groups.lut_of(old.node_tree)
-    if any(p.id in ids and p.can_be_driven for p in model.parameters):
+    if _moved(model, before, old.id_data):
         new = groups.add_compiled(old.id_data, model, osl.compile_blank(model), lut)
     else:
         new = groups.add_node(old.id_data, model, lut, given)
@@ -163,22 +162,23 @@ def baked_error(node):
     return groups.pair_of(node.node_tree.get(ERROR_KEY))
 
 
-def moved(sockets: dict, tree) -> set:
-    """Ids of the parameters whose sockets, in a node tree, links, drivers or keyframes change."""
+def _moved(model, sockets, tree):
+    """Parameters that a baked model has ranges of, as links, drivers or keyframes change their `sockets` in a tree."""
+    if not model.baked:
+        return []
     paths = {curve.data_path for curve in curves(tree)}
-    return {name for name, socket in sockets.items() if socket.is_linked or _path(socket) in paths}
+    changed = {name for name, socket in sockets.items() if socket.is_linked or _path(socket) in paths}
+    return [p for p in model.parameters if p.can_be_driven and p.id in changed]
 
 
 def is_driven(node, parameter) -> bool:
-    """Whether a parameter is one of those `moved` and its model is baked over a range of it."""
-    socket = socket_of(node, parameter)
-    return (model_of(node).baked and parameter.can_be_driven and socket is not None
-            and bool(moved({parameter.id: socket}, node.id_data)))
+    """Whether a parameter is one of those `driven`."""
+    return parameter in _moved(model_of(node), groups.sockets(node), node.id_data)
 
 
 def driven(node) -> dict:
-    """{parameter id: (least, most)} of those that are driven, see `is_driven` and `range_of`."""
-    return {p.id: range_of(node, p) for p in model_of(node).parameters if is_driven(node, p)}
+    """{parameter id: (least, most)} of what a model is baked over, as something changes its socket; see `range_of`."""
+    return {p.id: range_of(node, p) for p in _moved(model_of(node), groups.sockets(node), node.id_data)}
 
 
 def range_of(node, parameter) -> tuple:
