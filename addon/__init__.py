@@ -6,7 +6,7 @@
 
 def __getattr__(name):
     if name == "create_material":
-        from .blender.materials import create_material
+        from .blender.material.materials import create_material
 
         return create_material
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -28,7 +28,7 @@ def table_folder(tmp_path):
 @pytest.fixture
 def no_weights(monkeypatch):
     """Baked models get a few zeros for weights, at once, in tests that do not render; nobody else gets to see them."""
-    from addon.blender import cache
+    from addon.blender.host import cache
 
     monkeypatch.setattr(cache, "_memory", {})
     monkeypatch.setattr(ranges, "_kept", {})

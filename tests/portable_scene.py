@@ -59,7 +59,7 @@ def bring(library, link):
 
 def paint(material):
     """Drive the exponent by a checkerboard of 4 and 200, painted here and packed."""
-    from addon.blender import groups, nodes
+    from addon.blender.material import groups, sockets
 
     tree = material.node_tree
     image = bpy.data.images.new("Exponents", 8, 8, float_buffer=True)
@@ -71,7 +71,7 @@ def paint(material):
     texture.image, texture.interpolation = image, "Closest"
     coordinates = tree.nodes.new("ShaderNodeTexCoord")
     tree.links.new(coordinates.outputs["UV"], texture.inputs["Vector"])
-    tree.links.new(texture.outputs["Color"], groups.sockets(nodes.find_node(material))["exponent"])
+    tree.links.new(texture.outputs["Color"], sockets.by_id(groups.find_node(material))["exponent"])
 
 
 def save(path, compress=False):
@@ -82,10 +82,11 @@ def save(path, compress=False):
 
 def build_needy(library, folder):
     """A scene that needs something of every kind, to be saved in `folder`, where it has a script and a picture."""
-    from addon.blender import groups, nodes
+    from addon.blender.backend import osl
+    from addon.blender.material import groups, sockets
 
     def script_of(material):
-        return groups.script_of(nodes.find_node(material))
+        return osl.script_of(groups.find_node(material))
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     save(folder / "needy.blend")
@@ -97,7 +98,7 @@ def build_needy(library, folder):
     for name, engine in (("No OSL", "CYCLES"), ("Workbench", "BLENDER_WORKBENCH")):
         bpy.data.scenes.new(name).render.engine = engine
     tables = create_material("pumped_phong", "Tables", lut="file", control=False)
-    groups.sockets(nodes.find_node(tables))["table_plain"].default_value = str(folder / "gone.exr")
+    sockets.by_id(groups.find_node(tables))["table_plain"].default_value = str(folder / "gone.exr")
     outside = create_material("phong", "Outside")
     script_of(outside).mode, script_of(outside).filepath = "EXTERNAL", "//metal.osl"
     # A baked model keeps the name of the image that it was baked of.

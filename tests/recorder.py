@@ -97,7 +97,7 @@ def shader_editor(material):
 
 def drawn(context, prefix="PLAUSIBLE_PT_"):
     """What the panels whose poll succeeds draw, as a list of (layout function, its arguments)."""
-    from addon.blender.panels import CLASSES
+    from addon.blender.ui.panels import CLASSES
 
     log = []
     in_editor = context.space_data.type == "NODE_EDITOR"

@@ -24,29 +24,30 @@ def contents(bpy):
 
 
 def test_every_preset_and_model_is_there(contents):
-    from addon.blender import nodes, upgrade
+    from addon.blender.material import baked_state, groups, sockets, upgrade
     from addon.version import VERSION
 
-    materials, groups = contents
+    materials, models = contents
     assert set(materials) == {preset.label for preset in PRESETS.values()}
-    assert set(groups) == {model.label for model in SHOWN.values()}
+    assert set(models) == {model.label for model in SHOWN.values()}
     for preset in PRESETS.values():
-        node = nodes.find_node(materials[preset.label])
-        model = nodes.model_of(node)
+        node = groups.find_node(materials[preset.label])
+        model = groups.model_of(node)
         assert model.id == preset.model and upgrade.version_of(node) == VERSION
         expected = model.resolve(preset.parameters)
-        for key, value in nodes.values(node).items():
+        for key, value in sockets.values(node).items():
             assert value == pytest.approx(expected[key], rel=1e-6), (preset.label, key)
-        assert not nodes.is_stale(node), preset.label
+        assert not baked_state.is_stale(node), preset.label
 
 
 def test_shaders_are_todays(contents):
     """A shader that was changed since the library was made must not ship as it was: ./run assets makes it anew."""
-    from addon.blender import groups, osl
+    from addon.blender.backend import osl
+    from addon.blender.material import groups
 
     for model in SHOWN.values():
         (script,) = [n for n in contents[1][model.label].nodes if n.bl_idname == "ShaderNodeScript"]
-        assert script.bytecode == osl.compile_model(model), model.id
+        assert script.bytecode == osl.Osl().program(model).content, model.id
     assert contents[1]["Phong"].get(groups.VERSION_KEY)
 
 
@@ -69,15 +70,15 @@ def test_thumbnails_show_something(contents):
 
 
 def test_a_dropped_material_renders(contents):
-    from addon.blender import nodes
+    from addon.blender.material import groups, sockets
 
     material = contents[0][PRESETS["gold_satin"].label]
-    node = nodes.find_node(material)
+    node = groups.find_node(material)
     with room.Room(material, room.PLANE, 8) as place:
         place.sky(1.0)
         place.look_from((np.sin(1.0), 0.0, np.cos(1.0)))
         found = place.render(64).mean(axis=(0, 1))
-    expected = nodes.model_of(node).albedo(np.cos([1.0]), **nodes.values(node))[0]
+    expected = groups.model_of(node).albedo(np.cos([1.0]), **sockets.values(node))[0]
     np.testing.assert_allclose(found, expected, atol=0.01)
 
 

@@ -49,9 +49,9 @@ def quick(monkeypatch):
 @contextlib.contextmanager
 def in_folder(folder, monkeypatch):
     """The bake's folder stays the test's own: without an extension there is no other."""
-    from addon.blender import luts
+    from addon.blender.host import table_folder
 
-    monkeypatch.setattr(luts, "choose_folder", lambda: tables.use_folder(folder))
+    monkeypatch.setattr(table_folder, "choose_folder", lambda: tables.use_folder(folder))
     yield
 
 
@@ -67,13 +67,13 @@ def make(model_id, **parameters):
 def test_a_bake_of_one_model_at_a_range(folder, monkeypatch, quick, capfd):
     import bpy
 
-    from addon.blender import luts
+    from addon.blender.host import table_job
 
     others = {path.name: path.read_bytes() for path in folder.iterdir() if not path.name.startswith("phong")}
     with in_folder(folder, monkeypatch):
         assert bpy.ops.plausible.bake_luts(models={"pumped_phong"}, **SHORT) == {"FINISHED"}
-    assert luts.job.names == ["phong_plain", "phong_controlled"]
-    for name in luts.job.names:
+    assert table_job.job.names == ["phong_plain", "phong_controlled"]
+    for name in table_job.job.names:
         table = tables.in_use(name)
         assert table == sizes.sized(tables.TABLES[name], sizes.Size("draft", 1.0, 4.0))
     assert all((folder / name).read_bytes() == data for name, data in others.items())
@@ -121,17 +121,18 @@ def test_a_read_only_folder_is_said_in_words(folder, monkeypatch):
 
 def test_escape_cancels_and_leaves_every_table(folder, monkeypatch):
     """The modal operator's own steps, with a window manager that keeps what it is given."""
-    from addon.blender import bakes, luts
+    from addon.blender.host import table_folder, table_job
+    from addon.blender.ui.operators import table_bake
 
     texts_set, before = [], {path.name: path.read_bytes() for path in folder.iterdir()}
-    monkeypatch.setattr(luts, "choose_folder", lambda: tables.use_folder(folder))
+    monkeypatch.setattr(table_folder, "choose_folder", lambda: tables.use_folder(folder))
     manager = SimpleNamespace(event_timer_add=lambda *a, **k: "timer", event_timer_remove=texts_set.append,
                               progress_begin=lambda *a: None, progress_update=lambda share: None,
                               progress_end=lambda: texts_set.append("end"), modal_handler_add=lambda op: None,
                               windows=[])
     context = SimpleNamespace(window_manager=manager, window=None,
                               workspace=SimpleNamespace(status_text_set=texts_set.append))
-    cls = bakes.PLAUSIBLE_OT_bake_luts
+    cls = table_bake.PLAUSIBLE_OT_bake_luts
     reports = []
     names = ("_start", "_leave", "_end", "chosen")
     operator = SimpleNamespace(models={"pumped_blinn"}, resolution="standard", lowest=1.0, highest=1e5,
@@ -140,25 +141,25 @@ def test_escape_cancels_and_leaves_every_table(folder, monkeypatch):
         setattr(operator, name, getattr(cls, name).__get__(operator))
     assert cls.invoke(operator, context, None) == {"RUNNING_MODAL"}
     tick, escape = SimpleNamespace(type="TIMER", value="NOTHING"), SimpleNamespace(type="ESC", value="PRESS")
-    while luts.job.done < 2:
+    while table_job.job.done < 2:
         time.sleep(0.01)
     assert cls.modal(operator, context, tick) == {"PASS_THROUGH"}
     assert "Baking blinn plain" in texts_set[-1] and "Esc: cancel" in texts_set[-1]
     assert cls.modal(operator, context, escape) == {"RUNNING_MODAL"}, "nobody else sees this Escape"
-    luts.job.wait()
+    table_job.job.wait()
     assert cls.modal(operator, context, tick) == {"CANCELLED"}
     assert texts_set[-3:] == ["timer", "end", None] and "cancelled" in reports[-1]
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 
 def test_the_dialog_states_cost_and_error(bpy):
-    from addon.blender import bakes
+    from addon.blender.ui.operators import table_bake
 
     def told(**given):
         choice = SimpleNamespace(**{"models": {"pumped_phong"}, "resolution": "standard", "lowest": 1.0, "highest": 1e5,
                                     **given})
-        choice.chosen = lambda: bakes._Choice.chosen(choice)
-        return " ".join(text for text, _ in bakes.cost_texts(choice))
+        choice.chosen = lambda: table_bake._Choice.chosen(choice)
+        return " ".join(text for text, _ in table_bake.cost_texts(choice))
 
     assert "2 tables, 387 KB" in told() and "Albedos within 0.1 %" in told() and "striped" not in told()
     assert "Inexact: albedos within 0.5 %" in told(resolution="draft") and "2 tables, 97 KB" in told(resolution="draft")
@@ -167,14 +168,14 @@ def test_the_dialog_states_cost_and_error(bpy):
 
 
 def test_the_dialog_draws(bpy):
-    from addon.blender import bakes
+    from addon.blender.ui.operators import table_bake
 
     log = []
     rna = bpy.ops.plausible.choose_bake.get_rna_type()
     choice = SimpleNamespace(layout=Recorder(log), bl_rna=rna, models={"pumped_phong"}, resolution="draft", lowest=1.0,
                              highest=1e5)
-    choice.chosen = lambda: bakes._Choice.chosen(choice)
-    bakes.PLAUSIBLE_OT_choose_bake.draw(choice, context_for(bpy))
+    choice.chosen = lambda: table_bake._Choice.chosen(choice)
+    table_bake.PLAUSIBLE_OT_choose_bake.draw(choice, context_for(bpy))
     assert [given["property"] for kind, given in log if kind == "prop"] == ["models", "resolution", "lowest", "highest"]
     assert {item.identifier for item in rna.properties["models"].enum_items} == {m.id for m in sizes.readers()}
 
@@ -238,12 +239,12 @@ def test_a_material_beyond_its_tables_is_told(short):
 @pytest.mark.parametrize("lut", ["compiled", "file"])
 def test_a_short_table_renders_its_albedo_and_stripes_beyond(short, lut, capfd):
     """In the furnace at 60 degrees: inside the range and at its ends as the formula says; beyond no albedo at all."""
-    from addon.blender import materials, nodes
+    from addon.blender.material import groups, materials
     from addon.verify import room
 
     model = MODELS["pumped_phong"]
     material = make("pumped_phong", lut=lut, exponent=20.0, pumps=2.0, control=False)
-    node = nodes.find_node(material)
+    node = groups.find_node(material)
     with room.Room(material, room.PLANE, 16) as place:
         place.sky(1.0)
         place.look_from((np.sin(np.radians(60.0)), 0.0, 0.5))
@@ -264,7 +265,9 @@ def test_a_short_table_renders_its_albedo_and_stripes_beyond(short, lut, capfd):
 
 def test_a_baked_model_is_baked_once(bpy, monkeypatch):
     from addon.baking import weights, weights_error
-    from addon.blender import cache, nodes, osl
+    from addon.blender.backend import osl
+    from addon.blender.host import cache
+    from addon.blender.material import baked_state, groups
 
     calls, blank = [], weights.blank
     monkeypatch.setattr(cache, "_memory", {})
@@ -274,15 +277,15 @@ def test_a_baked_model_is_baked_once(bpy, monkeypatch):
     first = make("ward", roughness_u=0.2)
     second = make("ward", roughness_u=0.2)
     assert calls == ["weights", "error"]
-    assert osl.compile_model(MODELS["ward"], parameters={"roughness_u": 0.2, "samples": 7}) and len(calls) == 2
+    assert osl.Osl().program(MODELS["ward"], {"roughness_u": 0.2, "samples": 7}) and len(calls) == 2
     make("ward", roughness_u=0.21)
     assert calls == ["weights", "error"] * 2
-    ours = [nodes.find_node(material) for material in (first, second)]
-    assert ours[0].node_tree != ours[1].node_tree and nodes.baked_error(ours[1]) == (0.012, 0.001)
+    ours = [groups.find_node(material) for material in (first, second)]
+    assert ours[0].node_tree != ours[1].node_tree and baked_state.baked_error(ours[1]) == (0.012, 0.001)
 
 
 def test_memory_keeps_the_last_few(bpy, monkeypatch):
-    from addon.blender import cache
+    from addon.blender.host import cache
 
     monkeypatch.setattr(cache, "_memory", {})
     for i in range(cache._IN_MEMORY):
@@ -293,7 +296,7 @@ def test_memory_keeps_the_last_few(bpy, monkeypatch):
 
 
 def test_keys_change_with_all_that_decides(bpy, monkeypatch, tmp_path):
-    from addon.blender import cache
+    from addon.blender.host import cache
 
     model, image = MODELS["ndf_map"], tmp_path / "picture.exr"
     image.write_bytes(b"1")
@@ -307,7 +310,7 @@ def test_keys_change_with_all_that_decides(bpy, monkeypatch, tmp_path):
 
 
 def test_the_version_is_that_of_the_code(bpy, monkeypatch, tmp_path):
-    from addon.blender import cache
+    from addon.blender.host import cache
 
     def version():
         cache._version.cache_clear()
@@ -329,7 +332,7 @@ def test_the_version_is_that_of_the_code(bpy, monkeypatch, tmp_path):
 
 
 def test_a_cache_that_cannot_be_written_costs_time_only(bpy, monkeypatch, capsys, tmp_path):
-    from addon.blender import cache, settings
+    from addon.blender.host import cache, settings
 
     def refused(name, create=False):
         if create:
@@ -343,7 +346,7 @@ def test_a_cache_that_cannot_be_written_costs_time_only(bpy, monkeypatch, capsys
 
 
 def test_without_an_extension_nothing_is_written(bpy):
-    from addon.blender import cache, settings
+    from addon.blender.host import cache, settings
 
     assert settings.granted_folder("cache", create=True) is None and cache.on_disk() is None and cache.size() == 0
     assert settings.for_new(MODELS["phong"]) == {} and settings.lut_folder() == ""

@@ -131,7 +131,8 @@ def test_contact_sheet_holds_the_panels_pixel_for_pixel(pictures, tmp_path):
 def test_saved_scene_is_small_and_knows_no_path(pictures, tmp_path):
     import bpy
 
-    from addon.blender import groups, nodes
+    from addon.blender.backend import osl
+    from addon.blender.material import groups
     from addon.demo import panels, scene
 
     stage = scene.build(RESOLUTION)
@@ -145,7 +146,7 @@ def test_saved_scene_is_small_and_knows_no_path(pictures, tmp_path):
     assert bpy.context.scene.render.filepath == "//"
     assert not bpy.data.libraries and not bpy.data.images
     hull = bpy.data.objects["Hull"].active_material
-    node = groups.script_of(nodes.find_node(hull))
+    node = osl.script_of(groups.find_node(hull))
     assert node.bytecode.startswith("OpenShadingLanguage") and "/" not in node.bytecode.split("code ___main___")[0]
     assert str(tmp_path) not in node.bytecode and "plausible_" not in node.bytecode
     panels.prepare(stage := scene.Stage(bpy.context.scene, {}), 2)

@@ -184,7 +184,8 @@ def _check_blend(path, names):
     """The file at `path` holds objects of these names, and needs nothing beside it."""
     import bpy
 
-    from addon.blender import groups, nodes
+    from addon.blender.backend import osl
+    from addon.blender.material import groups
 
     assert path.stat().st_size < 3_000_000
     bpy.ops.wm.open_mainfile(filepath=str(path))
@@ -193,9 +194,9 @@ def _check_blend(path, names):
     assert not bpy.data.libraries
     for image in bpy.data.images:
         assert image.packed_file and image.filepath.startswith("//")
-    ours = [node for node in map(nodes.find_node, bpy.data.materials) if node is not None]
+    ours = [node for node in map(groups.find_node, bpy.data.materials) if node is not None]
     assert ours
-    for script in map(groups.script_of, ours):
+    for script in map(osl.script_of, ours):
         assert script.bytecode.startswith("OpenShadingLanguage")
         assert "/" not in script.bytecode.split("code ___main___")[0]
     return len(ours)

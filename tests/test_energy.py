@@ -22,15 +22,15 @@ def bpy(registered):
 
 @pytest.fixture
 def energy(bpy):
-    from addon.blender import energy
+    from addon.blender.ui import energy
 
     return energy
 
 
 def plausible_node(material):
-    from addon.blender import operators
+    from addon.blender.ui.operators import common
 
-    return operators.plausible_node(material)
+    return common.plausible_node(material)
 
 
 def make(model_id, **parameters):
@@ -128,24 +128,24 @@ def test_several_materials(bpy, energy):
 
 
 def test_links_are_named(bpy, energy):
-    from addon.blender import groups
+    from addon.blender.material import sockets
 
     material = make("pumped_blinn")
     node = plausible_node(material)[0]
     noise = material.node_tree.nodes.new("ShaderNodeTexNoise")
     noise.label = "Scratches"
-    socket = groups.sockets(node)["exponent"]
+    socket = sockets.by_id(node)["exponent"]
     material.node_tree.links.new(noise.outputs[0], socket)
     words = texts(drawn(energy, context_for(bpy, material)))
     assert "Exponent is driven by Scratches: plotted for" in words and words.count("driven") == 1
 
 
 def test_an_image_that_cannot_be_read(bpy, energy, no_weights, tmp_path):
-    from addon.blender import groups
+    from addon.blender.material import sockets
 
     material = make("ndf_map")
     node = plausible_node(material)[0]
-    groups.sockets(node)["image"].default_value = str(tmp_path / "gone.exr")
+    sockets.by_id(node)["image"].default_value = str(tmp_path / "gone.exr")
     context = context_for(bpy, material)
     drawn(energy, context)
     energy.make_wanted()
@@ -172,7 +172,7 @@ def test_nothing_is_left_behind():
     import bpy
 
     import addon
-    from addon.blender import energy
+    from addon.blender.ui import energy
 
     for _ in range(2):
         addon.register()

@@ -100,7 +100,7 @@ def test_zip_holds_the_extension_and_nothing_else(package):
 
 
 def settings_manual():
-    from addon.blender import settings
+    from addon.blender.host import settings
 
     return settings.MANUAL.relative_to(archive.ROOT).as_posix()
 
@@ -171,7 +171,7 @@ def state():
 
 addon = install(sys.argv[1])
 package = addon.__package__.rpartition(".")[0]
-assert "create_material" in dir(sys.modules[addon.__package__ + ".blender.materials"])
+assert "create_material" in dir(sys.modules[addon.__package__ + ".blender.material.materials"])
 assert "new_material" in dir(bpy.ops.plausible) and hasattr(bpy.types.Material, "plausible_brdf")
 addon_utils.disable(package, default_set=True)
 before = state()
@@ -256,26 +256,26 @@ def test_material_renders_its_albedo_and_needs_no_extension_afterwards(package, 
 
 OWN_TABLES = """
 addon = install(sys.argv[1])
-from bl_ext.user_default.plausible_brdf.addon.blender import luts, settings
+from bl_ext.user_default.plausible_brdf.addon.blender.host import settings, table_folder, table_job
 from bl_ext.user_default.plausible_brdf.addon.brdf import tables
 packaged = tables.folder()
-luts.use_bake_folder()
+table_folder.use_bake_folder()
 mine = settings.granted_folder("luts")
 assert tables.folder() == mine != packaged and os.environ["BLENDER_USER_RESOURCES"] in str(mine)
-assert luts.problem(tables.TABLES) is None, "until it is baked anew, every table is a copy"
+assert table_folder.problem(tables.TABLES) is None, "until it is baked anew, every table is a copy"
 addon.unregister()
 assert tables.folder() == packaged
 addon.register()
-assert tables.folder() == mine and luts.folder_problem is None, "the user's own tables are found again"
+assert tables.folder() == mine and table_folder.folder_problem is None, "the user's own tables are found again"
 addon.unregister()
 (mine / "blinn_plain.exr").write_bytes(b"half a table")
 addon.register()
 assert tables.folder() == packaged, "a damaged set of tables is not used"
-assert "blinn_plain.exr" in luts.folder_problem and "The shipped tables are used" in luts.folder_problem
-luts.use_bake_folder()
-assert tables.folder() == mine and luts.problem(tables.TABLES) is None, "a bake mends the set"
+assert "blinn_plain.exr" in table_folder.folder_problem and "The shipped tables are used" in table_folder.folder_problem
+table_folder.use_bake_folder()
+assert tables.folder() == mine and table_folder.problem(tables.TABLES) is None, "a bake mends the set"
 assert bpy.ops.plausible.shipped_luts() == {"FINISHED"}
-assert tables.folder() == packaged and not list(mine.iterdir()) and luts.own_tables() is None
+assert tables.folder() == packaged and not list(mine.iterdir()) and table_folder.own_tables() is None
 addon.unregister()
 """
 
@@ -287,12 +287,13 @@ def test_baked_tables_go_to_the_users_folder(package, tmp_path):
 CHOSEN = """
 import pathlib, shutil
 addon = install(sys.argv[1])
-from bl_ext.user_default.plausible_brdf.addon.blender import luts
+from bl_ext.user_default.plausible_brdf.addon.blender.host import table_folder
 from bl_ext.user_default.plausible_brdf.addon.brdf import tables
 preferences = bpy.context.preferences.addons["bl_ext.user_default.plausible_brdf"].preferences
 packaged, here = tables.folder(), pathlib.Path("mine").absolute()
 preferences.lut_folder = str(here)
-assert tables.folder() == packaged and "no such folder" in luts.folder_problem and str(here) in luts.folder_problem
+assert tables.folder() == packaged
+assert "no such folder" in table_folder.folder_problem and str(here) in table_folder.folder_problem
 try:
     bpy.ops.plausible.bake_luts(models={"pumped_phong"})
 except RuntimeError as error:
@@ -300,12 +301,13 @@ except RuntimeError as error:
 here.mkdir()
 shutil.copy(packaged / "phong_plain.exr", here)
 preferences.lut_folder = str(here)
-assert tables.folder() == packaged and "lacks phong_controlled.exr, blinn_plain.exr" in luts.folder_problem
+assert tables.folder() == packaged and "lacks phong_controlled.exr, blinn_plain.exr" in table_folder.folder_problem
 assert bpy.ops.plausible.bake_luts(models={"edwards_fit"}, resolution="draft", highest=2.0) == {"FINISHED"}
-assert tables.folder() == here and luts.folder_problem is None, "a bake fills the folder"
+assert tables.folder() == here and table_folder.folder_problem is None, "a bake fills the folder"
 assert tables.in_use("disk_volume").span == (0.0, 2.0)
 preferences.lut_folder = ""
-assert tables.folder() == packaged and luts.folder_problem is None and tables.in_use("disk_volume").span == (0.0, 1e5)
+assert tables.folder() == packaged and table_folder.folder_problem is None
+assert tables.in_use("disk_volume").span == (0.0, 1e5)
 
 # What new materials begin with; Python's own do not ask.
 preferences.samples, preferences.light_spread = 7, 0.5
@@ -332,7 +334,9 @@ else:
     assert addon_utils.enable("bl_ext.user_default.plausible_brdf", default_set=True)
 addon = sys.modules["bl_ext.user_default.plausible_brdf.addon"]
 from bl_ext.user_default.plausible_brdf.addon.baking import weights, weights_error
-from bl_ext.user_default.plausible_brdf.addon.blender import cache, groups, nodes, settings
+from bl_ext.user_default.plausible_brdf.addon.blender.host import cache, settings
+from bl_ext.user_default.plausible_brdf.addon.blender.material import baked_state, groups
+from bl_ext.user_default.plausible_brdf.addon.blender.backend import osl
 import numpy as np
 calls, blank = [], weights.blank
 weights.weights = lambda model, p: calls.append("weights") or blank(model, p)
@@ -341,8 +345,8 @@ weights_error.error = lambda model, p: calls.append("error") or known
 material = addon.create_material("ward", roughness_u=0.25)
 folder = settings.granted_folder("cache")
 assert len(list(folder.iterdir())) == 2 and cache.size() > 100
-assert nodes.baked_error(nodes.find_node(material)) == (0.0125, 0.001)
-text = groups.script_of(nodes.find_node(material)).bytecode
+assert baked_state.baked_error(groups.find_node(material)) == (0.0125, 0.001)
+text = osl.script_of(groups.find_node(material)).bytecode
 preferences = bpy.context.preferences.addons["bl_ext.user_default.plausible_brdf"].preferences
 found = {"calls": calls[:], "bytes": len(text)}
 if len(sys.argv) > 2:
@@ -430,7 +434,7 @@ print(json.dumps({"loaded": loaded}))
 
 def test_enabling_loads_nothing_that_is_slow_and_the_zip_is_small(package, tmp_path):
     loaded = run_blender(tmp_path, ENABLE, package)["loaded"]
-    assert any(name.endswith("addon.blender.panels") for name in loaded)
+    assert any(name.endswith("addon.blender.ui.panels") for name in loaded)
     assert not {"scipy", "matplotlib", "colour", "OpenImageIO"} & set(loaded)
     assert not [name for name in loaded if ".addon.verify" in name or ".addon.demo" in name or ".figures" in name]
     assert 1e6 < package.stat().st_size < 10e6
@@ -440,7 +444,7 @@ FAILING = """
 addon = install(sys.argv[1])
 addon.unregister()
 before = sorted(dir(bpy.types))
-from bl_ext.user_default.plausible_brdf.addon.blender import preferences
+from bl_ext.user_default.plausible_brdf.addon.blender.ui import preferences
 class Broken(bpy.types.Operator):
     bl_idname = "this is no name"
     bl_label = "Broken"

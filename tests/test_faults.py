@@ -104,7 +104,7 @@ def with_bytecode(text):
 
 
 def with_two_nodes(material):
-    from addon.blender import groups
+    from addon.blender.material import groups
 
     groups.add_node(material.node_tree, MODELS["pumped_blinn"])
 
@@ -155,8 +155,11 @@ EDITS = {
     "lut is a list": with_property("plausible_lut", [1]), "lut is unknown": with_property("plausible_lut", "tape"),
     "pumps are a text": with_node_property("plausible_pumps", "many"),
     "pumps beyond": with_node_property("plausible_pumps", 1e9),
-    "moved is a number": with_node_property("plausible_moved", 1),
-    "moved is a text": with_node_property("plausible_moved", "there"),
+    "sockets are a number": with_property("plausible_sockets", 1), "no map": without_property("plausible_sockets"),
+    "sockets are half": with_property("plausible_sockets", '{"exponent"'),
+    "sockets are a list": with_property("plausible_sockets", '["exponent"]'),
+    "backend is unknown": with_property("plausible_backend", "tape"),
+    "backend is a number": with_property("plausible_backend", 3), "no backend": without_property("plausible_backend"),
 }
 
 
@@ -176,7 +179,7 @@ def operate(bpy, material, name, **settings):
 
 def draw_all(bpy, material):
     """Draw every panel and plot what is asked for, with few nodes; returns what is drawn."""
-    from addon.blender import energy, furnace_test
+    from addon.blender.ui import energy, furnace_test
 
     context, log = context_for(bpy, material), drawn(context_for(bpy, material))
     for cls in (*energy.CLASSES, *furnace_test.CLASSES):
@@ -190,7 +193,7 @@ def draw_all(bpy, material):
 
 def use_all(bpy, material):
     """Everything that a user or Blender does to a material, one after the other; what is reported."""
-    from addon.blender import upgrade, watch
+    from addon.blender.material import upgrade, watch
     from addon.verify import subject
 
     group = material.plausible_brdf
@@ -213,14 +216,14 @@ def use_all(bpy, material):
     *(("ward", edit) for edit in EDITS if edit.startswith(("baked ", "error ", "no s", "no b", "another"))),
 ])
 def test_a_material_that_was_edited_raises_nothing(bpy, no_weights, capfd, model_id, edit):
-    from addon.blender import groups, nodes
+    from addon.blender.material import groups, sockets
 
     material = make(model_id)
     EDITS[edit](material)
     draw_all(bpy, material)
     use_all(bpy, material)
-    fresh = nodes.find_node(make(model_id))
-    assert len(groups.sockets(fresh)) >= len(MODELS[model_id].parameters), "another material gets a whole group"
+    fresh = groups.find_node(make(model_id))
+    assert len(sockets.by_id(fresh)) >= len(MODELS[model_id].parameters), "another material gets a whole group"
     assert not groups.lacking(fresh.node_tree)
     printed = "".join(capfd.readouterr())
     assert "Traceback" not in printed and "Python script error" not in printed, printed
@@ -236,63 +239,67 @@ TOLD = {
 
 @pytest.mark.parametrize("edit", TOLD)
 def test_what_a_node_lacks_is_told_and_a_fresh_one_takes_its_place(bpy, edit):
-    from addon.blender import groups, nodes, renew
+    from addon.blender.material import groups, repair, sockets
 
     material = make("pumped_phong", exponent=33.0, base_color=(0.5, 0.25, 0.125), samples=7)
     tree = material.node_tree
     colour = tree.nodes.new("ShaderNodeRGB")
-    tree.links.new(colour.outputs[0], groups.sockets(node_in(material))["base_color"])
+    tree.links.new(colour.outputs[0], sockets.by_id(node_in(material))["base_color"])
     assert "plausible.renew" not in operators(drawn(context_for(bpy, material)))
     EDITS[edit](material)
     log = drawn(context_for(bpy, material))
     assert TOLD[edit] in texts(log) and "plausible.renew" in operators(log)
     assert operate(bpy, material, "renew") == ""
-    assert not renew.broken(material) and "plausible.renew" not in operators(drawn(context_for(bpy, material)))
-    node = nodes.find_node(material)
+    assert not repair.broken(material) and "plausible.renew" not in operators(drawn(context_for(bpy, material)))
+    node = groups.find_node(material)
     if edit != "another model":
-        sockets = groups.sockets(node)
-        assert sockets["samples"].default_value == 7 or edit == "no links inside"
-        assert sockets["base_color"].is_linked or edit in ("nodes inside", "no links inside")
+        held = sockets.by_id(node)
+        assert held["samples"].default_value == 7
+        assert held["base_color"].is_linked
     if edit not in ("no BSDF", "BSDF is a colour"):
         assert tree.get_output_node("CYCLES").inputs["Surface"].links[0].from_node == node
 
 
-def test_a_fresh_node_keeps_that_it_shows_the_stand_in(bpy):
-    from addon.blender import nodes, switches
+def test_a_fresh_node_keeps_its_backend(bpy):
+    from addon.blender import backend
+    from addon.blender.material import groups
 
     material = make("pumped_phong")
     assert operate(bpy, material, "switch_native") == ""
     with_type("Exponent", "NodeSocketColor")(material)
     assert operate(bpy, material, "renew") == ""
-    assert switches.is_native(nodes.find_node(material)), "the panel says so, and goes back"
+    assert groups.backend_of(groups.find_node(material)) == backend.FALLBACK, "the panel says so, and goes back"
     assert operate(bpy, material, "switch_native") == ""
-    assert material.node_tree.get_output_node("CYCLES").inputs["Surface"].links[0].from_socket.name == "BSDF"
+    assert groups.backend_of(groups.find_node(material)) == backend.DEFAULT
 
 
 def test_values_of_an_edited_node_are_written_whole_or_not_at_all(bpy):
-    from addon.blender import materials, nodes
+    from addon.blender.material import groups, materials
 
     material = make("pumped_phong", base_color=(0.5, 0.25, 0.125))
     with_type("Extinction k", "NodeSocketFloat")(material)
     said = operate(bpy, material, "set_metal", metal="gold")
     assert "was edited and lacks Extinction k: Renew Node" in said
     assert tuple(material.plausible_brdf.base_color) == (0.5, 0.25, 0.125)
-    node = nodes.find_node(material)
+    node = groups.find_node(material)
     with pytest.raises(ValueError, match="lacks Extinction k"):
         materials.set_value(node, MODELS["pumped_phong"].parameter("extinction"), (1.0, 1.0, 1.0))
 
 
-def test_what_is_inside_a_shared_group_is_not_written_for_others(bpy):
-    """A socket that was taken away leaves its value inside the group, which two materials use."""
-    from addon.blender import nodes
+def test_a_socket_that_is_gone_is_not_written(bpy):
+    """Another material that uses the group lacks it as well; a fresh node has it again."""
+    from addon.blender.material import groups, materials, sockets
 
     first, second = make("pumped_phong"), make("pumped_phong")
     assert node_in(first).node_tree == node_in(second).node_tree
     without_socket("Pumps")(first)
-    first.plausible_brdf.pumps = 3.0
     pumps = MODELS["pumped_phong"].parameter("pumps")
-    assert nodes.get_value(nodes.find_node(first), pumps) == 3.0
-    assert nodes.get_value(nodes.find_node(second), pumps) == pumps.default
+    with pytest.raises(ValueError, match="lacks Pumps"):
+        materials.set_value(groups.find_node(first), pumps, 3.0)
+    assert operate(bpy, first, "renew") == ""
+    materials.set_value(groups.find_node(first), pumps, 3.0)
+    assert sockets.get_value(groups.find_node(first), pumps) == 3.0
+    assert sockets.get_value(groups.find_node(second), pumps) == pumps.default
 
 
 @pytest.mark.parametrize("edit", ["no bytecode", "garbage", "no exponent", "no links inside", "no script"])
@@ -422,7 +429,7 @@ def thing(bpy):
                                    lambda path: path.write_bytes(b"")], ids=["gone", "cut", "empty"])
 def test_pictures_that_cannot_be_read_are_none(spoil, bpy, monkeypatch, tmp_path):
     from addon import assets
-    from addon.blender import icons
+    from addon.blender.ui import icons
 
     shutil.copytree(assets.preview("phong").parent, tmp_path, dirs_exist_ok=True)
     for path in tmp_path.glob("*.png"):
@@ -536,7 +543,7 @@ if len(sys.argv) > 2:  # the preferences are no longer those that this Blender s
     addon = sys.modules[package + ".addon"]
 else:
     addon = install(sys.argv[1])
-from bl_ext.user_default.plausible_brdf.addon.blender import cache, settings
+from bl_ext.user_default.plausible_brdf.addon.blender.host import cache, settings
 from bl_ext.user_default.plausible_brdf.addon.brdf import MODELS
 made = 0
 for samples, spread, limit, folder in ((99, math.nan, -3, "\\0"), ("many", [1.0], "all", 3), (-7, 1e30, 10**9, "//..")):

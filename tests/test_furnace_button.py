@@ -11,7 +11,7 @@ pytestmark = [pytest.mark.blender, pytest.mark.versions]
 @pytest.fixture
 def job(bpy):
     """Runs the test on a material; returns the job."""
-    from addon.blender import furnace_test
+    from addon.blender.ui import furnace_test
 
     def run(material):
         with bpy.context.temp_override(material=material):
@@ -23,7 +23,7 @@ def job(bpy):
 
 
 def test_it_measures_what_the_formula_says(bpy, job):
-    from addon.blender import furnace_test
+    from addon.blender.ui import furnace_test
 
     colour = (0.9, 0.5, 0.25)
     before = (len(bpy.data.scenes), len(bpy.data.materials), bpy.context.scene.frame_current)
@@ -39,28 +39,31 @@ def test_it_measures_what_the_formula_says(bpy, job):
 
 def test_a_wrong_shader_is_found_out(bpy, job):
     """The shader of another model, put in behind the back of the node that says what the formula is."""
-    from addon.blender import furnace_test, groups, nodes, osl
+    from addon.blender.backend import osl
+    from addon.blender.material import groups
+    from addon.blender.ui import furnace_test
 
     material = create_material("pumped_phong", exponent=30.0)
-    script = groups.script_of(nodes.find_node(material))
-    osl.fill(script, osl.compile_model(MODELS["phong"]))  # it lacks the sockets of pumps
+    script = osl.script_of(groups.find_node(material))
+    osl.fill(script, osl.Osl().program(MODELS["phong"]).content)  # it lacks the sockets of pumps
     done = job(material)
     assert done.verdict == "FAILED" and "differs from the formula" in furnace_test.verdict_text(done)
 
 
 def test_what_is_plugged_in_has_no_formula(bpy, job):
-    from addon.blender import furnace_test, groups, nodes
+    from addon.blender.material import groups, sockets
+    from addon.blender.ui import furnace_test
 
     material = create_material("phong")
     value = material.node_tree.nodes.new("ShaderNodeValue")
     value.outputs[0].default_value = 30.0
-    material.node_tree.links.new(value.outputs[0], groups.sockets(nodes.find_node(material))["exponent"])
+    material.node_tree.links.new(value.outputs[0], sockets.by_id(groups.find_node(material))["exponent"])
     done = job(material)
     assert done.verdict is None and "no formula" in furnace_test.verdict_text(done) and len(done.rows) > 3
 
 
 def test_it_can_be_cancelled(bpy):
-    from addon.blender import furnace_test
+    from addon.blender.ui import furnace_test
 
     furnace_test.job = furnace_test.FurnaceJob(create_material("phong"))
     assert furnace_test.job.running and not bpy.ops.plausible.furnace_test.poll()
@@ -72,7 +75,7 @@ def test_it_can_be_cancelled(bpy):
 
 
 def test_a_blender_that_fails_is_told_in_words(bpy, monkeypatch):
-    from addon.blender import furnace_test
+    from addon.blender.ui import furnace_test
 
     monkeypatch.setattr(furnace_test, "_SCRIPT", "import sys; sys.exit('this Blender has no heart')")
     with pytest.raises(RuntimeError, match="this Blender has no heart"), bpy.context.temp_override(

@@ -11,28 +11,28 @@ pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 
 def node_in(material):
-    from addon.blender import nodes
+    from addon.blender.material import groups
 
-    return nodes.find_node(material)
+    return groups.find_node(material)
 
 
 def values_of(material):
-    from addon.blender import nodes
+    from addon.blender.material import sockets
 
-    return nodes.values(node_in(material))
+    return sockets.values(node_in(material))
 
 
 def set_value(material, name, value):
-    from addon.blender import materials, nodes
+    from addon.blender.material import groups, materials
 
     node = node_in(material)
-    materials.set_value(node, nodes.model_of(node).parameter(name), value)
+    materials.set_value(node, groups.model_of(node).parameter(name), value)
 
 
 def bytecode_of(material):
-    from addon.blender import groups
+    from addon.blender.backend import osl
 
-    return groups.script_of(node_in(material)).bytecode
+    return osl.script_of(node_in(material)).bytecode
 
 
 def test_a_duplicate_has_values_of_its_own(bpy):
@@ -44,7 +44,7 @@ def test_a_duplicate_has_values_of_its_own(bpy):
 
 
 def test_a_duplicate_of_what_is_baked_has_weights_of_its_own(bpy):
-    from addon.blender import nodes
+    from addon.blender.material import baked_state
 
     first = create_material("ward", roughness_u=0.4, roughness_v=0.4)
     second = first.copy()
@@ -53,7 +53,7 @@ def test_a_duplicate_of_what_is_baked_has_weights_of_its_own(bpy):
     set_value(second, "roughness_u", 0.5)
     assert node_in(first).node_tree != node_in(second).node_tree
     assert bytecode_of(first) == before != bytecode_of(second)
-    assert not nodes.is_stale(node_in(first)) and not nodes.is_stale(node_in(second))
+    assert not baked_state.is_stale(node_in(first)) and not baked_state.is_stale(node_in(second))
 
 
 def test_undo_and_redo(bpy):
@@ -68,7 +68,7 @@ def test_undo_and_redo(bpy):
 
 
 def test_undo_brings_weights_back(bpy):
-    from addon.blender import nodes
+    from addon.blender.material import baked_state
 
     name = create_material("blinn_fresnel", exponent=20.0).name
     before = bytecode_of(bpy.data.materials[name])
@@ -78,7 +78,7 @@ def test_undo_brings_weights_back(bpy):
     assert bytecode_of(bpy.data.materials[name]) != before
     bpy.ops.ed.undo()
     material = bpy.data.materials[name]
-    assert bytecode_of(material) == before and not nodes.is_stale(node_in(material))
+    assert bytecode_of(material) == before and not baked_state.is_stale(node_in(material))
 
 
 @pytest.fixture
@@ -140,12 +140,12 @@ def test_a_library_override_can_be_edited(bpy, library):
 
 
 def test_two_scenes_have_switches_of_their_own(bpy):
-    from addon.blender import materials
+    from addon.blender.backend import DEFAULT
 
     first, second = bpy.context.scene, bpy.data.scenes.new("second")
     first.render.engine = second.render.engine = "CYCLES"
     first.cycles.shading_system = second.cycles.shading_system = False
-    assert materials.use_osl(first) and not materials.use_osl(first)
+    assert DEFAULT.prepare(first) and not DEFAULT.prepare(first)
     assert first.cycles.shading_system and not second.cycles.shading_system
     bpy.data.scenes.remove(second)
 
@@ -158,10 +158,10 @@ def lit_plane(material):
 
 
 def test_keyframes_render_as_their_values(bpy):
-    from addon.blender import groups
+    from addon.blender.material import sockets
 
     material = create_material("pumped_phong", pumps=0.0)
-    socket = groups.sockets(node_in(material))["exponent"]
+    socket = sockets.by_id(node_in(material))["exponent"]
     for frame, exponent in ((1, 5.0), (3, 500.0)):
         socket.default_value = exponent
         socket.keyframe_insert("default_value", frame=frame)
@@ -172,34 +172,38 @@ def test_keyframes_render_as_their_values(bpy):
 
 
 def test_a_link_drives_the_exponent(bpy):
-    from addon.blender import groups
+    from addon.blender.material import sockets
 
     material = create_material("phong", exponent=5.0)
     value = material.node_tree.nodes.new("ShaderNodeValue")
     value.outputs[0].default_value = 500.0  # by its socket it would be 0.555
-    material.node_tree.links.new(value.outputs[0], groups.sockets(node_in(material))["exponent"])
+    material.node_tree.links.new(value.outputs[0], sockets.by_id(node_in(material))["exponent"])
     expected = MODELS["phong"].albedo(np.cos([1.0]), exponent=500.0)[0]
     assert lit_plane(material) == pytest.approx([expected] * 3, abs=0.005)
 
 
 def test_keyframes_of_what_is_baked(bpy, no_weights):
     """They are baked over the range that is seen in them, or that is chosen; before that they are told."""
-    from addon.blender import groups, nodes
+    from addon.blender.material import baked_state, driven, sockets
 
     material = create_material("blinn_fresnel", exponent=20.0)
-    groups.sockets(node_in(material))["exponent"].keyframe_insert("default_value", frame=1)
+    sockets.by_id(node_in(material))["exponent"].keyframe_insert("default_value", frame=1)
     assert "The weights are for other values" in texts(drawn(context_for(bpy, material)))
     assert tuple(material.plausible_brdf.cosine_microfacet_exponent_range) == (5.0, 80.0)  # one keyframe tells none
     material.plausible_brdf.cosine_microfacet_exponent_range = (30.0, 10.0)
-    assert nodes.driven(node_in(material)) == {"exponent": (10.0, 30.0)} and not nodes.is_stale(node_in(material))
+    assert driven.ranges(node_in(material)) == {"exponent": (10.0, 30.0)}
+    assert not baked_state.is_stale(node_in(material))
     assert "Baked over ranges of Exponent" in texts(drawn(context_for(bpy, material)))
     assert "cosine_microfacet_exponent_range" in properties(drawn(context_for(bpy, material)))
     material.plausible_brdf.model = "phong_original"  # a range goes on with the parameter
-    assert nodes.driven(node_in(material)) == {"exponent": (10.0, 30.0)} and not nodes.is_stale(node_in(material))
+    assert driven.ranges(node_in(material)) == {"exponent": (10.0, 30.0)}
+    assert not baked_state.is_stale(node_in(material))
 
 
 def test_a_node_edited_by_hand(bpy):
     """A socket that was removed, a Script node that was deleted: no errors, and the rest goes on."""
+    from addon.blender.material import repair
+
     material = create_material("pumped_phong", exponent=7.0)
     tree = node_in(material).node_tree
     item = next(i for i in tree.interface.items_tree if getattr(i, "name", "") == "Pumps")
@@ -208,16 +212,16 @@ def test_a_node_edited_by_hand(bpy):
     drawn(context_for(bpy, material))
     set_value(material, "exponent", 8.0)
     tree.nodes.remove(next(n for n in tree.nodes if n.bl_idname == "ShaderNodeScript"))
-    assert node_in(material) is None
+    assert repair.lost_shader(node_in(material))
     drawn(context_for(bpy, material))
 
 
 def test_wild_sockets_are_held(bpy):
-    from addon.blender import groups
+    from addon.blender.material import sockets
 
     material = create_material("pumped_phong")
-    sockets = groups.sockets(node_in(material))
-    sockets["exponent"].default_value, sockets["pumps"].default_value = float("nan"), 1e9
+    held = sockets.by_id(node_in(material))
+    held["exponent"].default_value, held["pumps"].default_value = float("nan"), 1e9
     assert values_of(material)["exponent"] == MODELS["pumped_phong"].parameter("exponent").default
     assert values_of(material)["pumps"] == 4.0
     drawn(context_for(bpy, material))

@@ -34,10 +34,10 @@ def picture(material, view_deg=60.0, samples=16, energy=0.0):
 
 def use_table(material, control, path):
     """Name another file in the socket of a material that reads its tables from files."""
-    from addon.blender import groups, nodes
+    from addon.blender.material import groups, sockets
 
     name = "table_controlled" if control else "table_plain"
-    groups.sockets(nodes.find_node(material))[name].default_value = str(path)
+    sockets.by_id(groups.find_node(material))[name].default_value = str(path)
 
 
 @pytest.mark.versions_by_shader
@@ -79,10 +79,10 @@ def test_files_of_the_disk_render_what_compiled_tables_render(model, given):
 @pytest.mark.versions
 @pytest.mark.parametrize("model, mode", [("edwards_fit", "volume"), ("reciprocal_disk", "plain")])
 def test_a_bad_file_of_the_disk_is_told(model, mode, tmp_path, capfd):
-    from addon.blender import groups, nodes
+    from addon.blender.material import groups, sockets
 
     material = create_material(model, lut="file")
-    socket = groups.sockets(nodes.find_node(material))[f"table_{mode}"]
+    socket = sockets.by_id(groups.find_node(material))[f"table_{mode}"]
     socket.default_value = str(tmp_path / "gone.exr")
     capfd.readouterr()
     pixels = picture(material, 5.0, 1)

@@ -42,7 +42,7 @@ def shown(monkeypatch, model, given, place, view, size, plant=None):
 
     `place` is one of LOBE, DISK, CELL; `view` (angle, azimuth) in degrees; `plant` a pattern and its replacement.
     """
-    from addon.blender import cache
+    from addon.blender.host import cache
 
     pattern, light, beside, before = place
     right, pictures = source.assemble, []

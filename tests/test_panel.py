@@ -28,7 +28,7 @@ def test_panel_shows_what_the_model_reads_and_nothing_else(bpy, no_weights, mode
     model = brdf.MODELS[model_id]
     material = make(model_id)
     context = context_for(bpy, material, space=shader_editor(material) if in_editor else None)
-    from addon.blender.properties import NAMES
+    from addon.blender.ui.properties import NAMES
 
     shown = {p.id: NAMES[p] for p in model.parameters if p.kind != "vector"}
     for fresnel, rough, vary in itertools.product(FRESNEL, (False, True), (False, True)):
@@ -46,7 +46,7 @@ def test_panel_shows_what_the_model_reads_and_nothing_else(bpy, no_weights, mode
 
 def test_presets(bpy, no_weights):
     """Each is a valid choice of its model's parameters, and is put into any material of ours as it stands."""
-    from addon.blender import materials
+    from addon.blender.material import groups, sockets
     from addon.brdf.presets import PRESETS
 
     assert len(PRESETS) >= 7
@@ -54,11 +54,11 @@ def test_presets(bpy, no_weights):
     for name, preset in PRESETS.items():  # one upon another: nothing of the last is left
         with bpy.context.temp_override(material=material):
             assert bpy.ops.plausible.apply_preset(preset=name) == {"FINISHED"}
-        node = materials.find_node(material)
-        model = materials.model_of(node)
+        node = groups.find_node(material)
+        model = groups.model_of(node)
         assert model.id == preset.model
         expected = model.resolve(preset.parameters)
-        for key, value in materials.values(node).items():
+        for key, value in sockets.values(node).items():
             assert value == pytest.approx(expected[key], rel=1e-6), (name, key)
     menus = [given["menu"] for kind, given in drawn(context_for(bpy, material)) if kind == "menu"]
     assert "PLAUSIBLE_MT_presets" in menus
@@ -66,37 +66,37 @@ def test_presets(bpy, no_weights):
 
 def converted(bpy, material, model_id, capsys):
     """Convert a material; returns its node and the words of the report."""
-    from addon.blender import materials
+    from addon.blender.material import groups
 
     with bpy.context.temp_override(material=material):
         assert bpy.ops.plausible.convert(model=model_id) == {"FINISHED"}
     printed = capsys.readouterr()
-    return materials.find_node(material), printed.out + printed.err
+    return groups.find_node(material), printed.out + printed.err
 
 
 def test_convert_keeps_the_width_of_the_lobe(bpy, no_weights, capsys):
-    from addon.blender import materials, nodes
+    from addon.blender.material import groups, sockets
     from addon.fitting import match
 
     material = make("pumped_phong", exponent=50.0, pumps=2.0, base_color=(0.5, 0.25, 0.125), samples=7)
     tree = material.node_tree
     colour, normal = tree.nodes.new("ShaderNodeRGB"), tree.nodes.new("ShaderNodeNormalMap")
     pumps = tree.nodes.new("ShaderNodeValue")
-    node = materials.find_node(material)
+    node = groups.find_node(material)
     for source, name in ((colour, "base_color"), (normal, "shading_normal"), (pumps, "pumps")):
-        tree.links.new(source.outputs[0], nodes.socket_of(node, brdf.MODELS["pumped_phong"].parameter(name)))
+        tree.links.new(source.outputs[0], sockets.socket_of(node, brdf.MODELS["pumped_phong"].parameter(name)))
     node, words = converted(bpy, material, "disk_scaling", capsys)
-    model = materials.model_of(node)
+    model = groups.model_of(node)
     assert model.id == "disk_scaling" == material.plausible_brdf.model
-    values = materials.values(node)
+    values = sockets.values(node)
     # Phong's half of (R·L)^n at normal incidence, and of a lump by the scaling projection: angles of the half vector.
     beta = 0.5 * math.acos(0.5 ** (1.0 / 50.0))
     lump = (1.0 - math.tan(beta) ** 2) ** values["exponent"] / (math.cos(2.0 * beta) * math.cos(beta) ** 4)
     assert lump == pytest.approx(0.5, rel=1e-4)
     assert values["f90"] == values["base_color"] == (0.5, 0.25, 0.125)
-    assert nodes.get_value(node, model.parameter("samples")) == 7
-    linked = {p.id: nodes.socket_of(node, p).links[0].from_node.name for p in model.parameters
-              if nodes.socket_of(node, p).is_linked}
+    assert sockets.get_value(node, model.parameter("samples")) == 7
+    linked = {p.id: sockets.socket_of(node, p).links[0].from_node.name for p in model.parameters
+              if sockets.socket_of(node, p).is_linked}
     assert linked == {"base_color": colour.name, "shading_normal": normal.name}
     assert "half-angle 4.76°" in words and "has no Pumps, Controlled" in words and "Links are lost of Pumps" in words
     assert match.half_angles(model, match.complete(model, values))[0] == pytest.approx(beta, rel=1e-5)
@@ -104,22 +104,22 @@ def test_convert_keeps_the_width_of_the_lobe(bpy, no_weights, capsys):
 
 def test_convert_bakes_once_and_holds_at_the_end_of_a_range(bpy, monkeypatch, no_weights, capsys):
     from addon.baking import weights
-    from addon.blender import materials, nodes
+    from addon.blender.material import baked_state, sockets
 
     baked, few = [], weights.weights(None, None)
     monkeypatch.setattr(weights, "weights", lambda model, parameters: baked.append((model.id, parameters)) or few)
     node, words = converted(bpy, make("blinn", exponent=50.0), "cook_torrance", capsys)
     ((model_id, parameters),) = baked
-    assert model_id == "cook_torrance" and not nodes.is_stale(node)
-    assert parameters["roughness"] == pytest.approx(materials.values(node)["roughness"], rel=1e-6)
+    assert model_id == "cook_torrance" and not baked_state.is_stale(node)
+    assert parameters["roughness"] == pytest.approx(sockets.values(node)["roughness"], rel=1e-6)
     assert "Warning" not in words and "Slope m 0.18" in words
     node, words = converted(bpy, make("blinn", exponent=4.0), "reciprocal_disk", capsys)
-    assert materials.values(node)["exponent"] == 1.0
+    assert sockets.values(node)["exponent"] == 1.0
     assert "Warning" in words and "Exponent ends before the width of Blinn, 32.8°" in words
 
 
 def test_the_error_of_baked_weights_is_shown_while_they_hold(bpy, no_weights):
-    from addon.blender import materials, nodes
+    from addon.blender.material import groups, sockets
 
     def words(material):
         return texts(drawn(context_for(bpy, material)))
@@ -127,7 +127,7 @@ def test_the_error_of_baked_weights_is_shown_while_they_hold(bpy, no_weights):
     material = make("ward")
     assert "within 1.2 %, their light within 0.1 %" in words(material)
     assert "Baked:" not in words(make("phong"))
-    nodes.socket_of(materials.find_node(material), brdf.MODELS["ward"].parameter("roughness_u")).default_value = 0.4
+    sockets.socket_of(groups.find_node(material), brdf.MODELS["ward"].parameter("roughness_u")).default_value = 0.4
     assert "The weights are for other values" in words(material) and "Baked:" not in words(material)
 
 
@@ -144,7 +144,7 @@ def test_convert_can_be_undone(bpy, no_weights):
 
 
 def test_convert_is_offered_for_every_other_model(bpy, no_weights):
-    from addon.blender.operators import PLAUSIBLE_MT_convert
+    from addon.blender.ui.operators.convert import PLAUSIBLE_MT_convert
 
     context = context_for(bpy, make("blinn"))
     assert "PLAUSIBLE_MT_convert" in [given["menu"] for kind, given in drawn(context) if kind == "menu"]
@@ -163,14 +163,14 @@ def test_a_lump_that_is_shrunk_is_told(bpy):
 
 
 def test_linked_socket_shows_its_source_and_no_slider(bpy):
-    from addon.blender import materials, nodes
+    from addon.blender.material import groups, sockets
 
     material = make("pumped_phong")
-    node = materials.find_node(material)
+    node = groups.find_node(material)
     source = material.node_tree.nodes.new("ShaderNodeTexNoise")
     source.label = "Scratches"
     for name in ("pumps", "shading_normal", "use_roughness"):
-        target = nodes.socket_of(node, brdf.MODELS["pumped_phong"].parameter(name))
+        target = sockets.socket_of(node, brdf.MODELS["pumped_phong"].parameter(name))
         material.node_tree.links.new(source.outputs[0], target)
     log = drawn(context_for(bpy, material))
     assert not {"pumps", "shading_normal", "use_roughness"} & set(properties(log))
@@ -180,7 +180,7 @@ def test_linked_socket_shows_its_source_and_no_slider(bpy):
 
 @pytest.mark.parametrize("model_id", brdf.MODELS)
 def test_properties_are_declared_by_the_registry(bpy, no_weights, model_id):
-    from addon.blender.properties import NAMES
+    from addon.blender.ui.properties import NAMES
 
     group = make(model_id).plausible_brdf
     for parameter in brdf.MODELS[model_id].parameters:
@@ -196,10 +196,10 @@ def test_properties_are_declared_by_the_registry(bpy, no_weights, model_id):
 
 
 def test_values_live_in_the_sockets_only(bpy):
-    from addon.blender import materials, nodes
+    from addon.blender.material import groups, materials, sockets
 
     material = make("pumped_blinn", exponent=35.0)
-    model, node, group = brdf.MODELS["pumped_blinn"], materials.find_node(material), material.plausible_brdf
+    model, node, group = brdf.MODELS["pumped_blinn"], groups.find_node(material), material.plausible_brdf
     written = {"exponent": 50.0, "pumps": 2.5, "control": False, "samples": 7, "fresnel_type": "conductor",
                "base_color": (0.25, 0.5, 0.75), "ior": (0.5, 1.5, 12.0)}
     assert group.exponent == 35.0
@@ -207,7 +207,7 @@ def test_values_live_in_the_sockets_only(bpy):
         setattr(group, name, value)
         shown = getattr(group, name)
         assert (tuple(shown) if isinstance(value, tuple) else shown) == value
-        held = nodes.get_value(node, model.parameter(name))
+        held = sockets.get_value(node, model.parameter(name))
         assert held == model.parameter(name).check(value)
     materials.set_value(node, model.parameter("exponent"), 12.0)
     assert group.exponent == 12.0
@@ -224,13 +224,13 @@ def test_properties_hold_to_the_range(bpy):
 
 def test_a_path_is_written_whole(bpy, no_weights, tmp_path):
     """What a file browser gives is relative to the .blend, and other commands know nothing of that."""
-    from addon.blender import materials
+    from addon.blender.material import groups, sockets
 
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
     material = make("ndf_map")
     material.plausible_brdf.image = "//maps/star.png"
     whole = str(tmp_path / "maps" / "star.png")
-    assert material.plausible_brdf.image == materials.values(materials.find_node(material))["image"] == whole
+    assert material.plausible_brdf.image == sockets.values(groups.find_node(material))["image"] == whole
     material.plausible_brdf.image = ""
     assert material.plausible_brdf.image == ""
 
@@ -252,7 +252,7 @@ def test_other_materials_get_an_offer_and_the_other_engines_no_panel(bpy):
 
 
 def test_every_obstacle_is_named_and_has_a_cure(bpy, monkeypatch, tmp_path):
-    from addon.blender import osl
+    from addon.blender.backend import osl
 
     material = make("pumped_phong")
     log = drawn(context_for(bpy, material))
@@ -291,8 +291,8 @@ def test_metal_sets_what_the_model_has(bpy):
 
 
 def test_menu_and_preferences_draw(bpy):
-    from addon.blender.operators import PLAUSIBLE_MT_metals
-    from addon.blender.preferences import PlausiblePreferences
+    from addon.blender.ui.operators.metals import PLAUSIBLE_MT_metals
+    from addon.blender.ui.preferences import PlausiblePreferences
     from addon.brdf.metals import METALS
 
     log = []
@@ -333,41 +333,42 @@ def one_table(tmp_path):
 
 
 def test_cancelled_bake_leaves_the_old_table(bpy, one_table):
-    from addon.blender import luts
+    from addon.blender.host import table_job
 
-    luts.job = luts.BakeJob(["phong_plain"])
-    luts.job.start()
-    while luts.job.done < 2:
-        assert luts.job.running
+    table_job.job = table_job.BakeJob(["phong_plain"])
+    table_job.job.start()
+    while table_job.job.done < 2:
+        assert table_job.job.running
     log = drawn(context_for(bpy, make_without_tables()))
     assert any(name == "progress" and 0.0 < given["factor"] < 1.0 for name, given in log)
     assert not bpy.ops.plausible.bake_luts.poll(), "one bake at a time"
     assert bpy.ops.plausible.cancel_bake() == {"FINISHED"}
-    luts.job.wait()
-    assert luts.job.cancelled and luts.job.error is None
+    table_job.job.wait()
+    assert table_job.job.cancelled and table_job.job.error is None
     assert one_table.read_bytes() == b"an older table" and list(one_table.parent.iterdir()) == [one_table]
 
 
 def make_without_tables():
     """A material whose model reads tables, although there are none: its model is changed behind the scenes."""
-    from addon.blender import groups, materials
+    from addon.blender.backend import protocol
+    from addon.blender.material import groups
 
     material = make("phong")
-    materials.find_node(material).node_tree[groups.MODEL_KEY] = "pumped_phong"
+    groups.find_node(material).node_tree[protocol.MODEL_KEY] = "pumped_phong"
     return material
 
 
 def test_bake_makes_the_shipped_table(bpy, one_table):
     import numpy as np
 
-    from addon.blender import luts
+    from addon.blender.host import table_folder, table_job
 
-    assert luts.problem(["phong_plain"])
-    job = luts.BakeJob(["phong_plain"])
+    assert table_folder.problem(["phong_plain"])
+    job = table_job.BakeJob(["phong_plain"])
     job.start()
     job.wait()
     assert job.error is None and not job.cancelled and job.share == 1.0
-    assert luts.problem(["phong_plain"]) is None
+    assert table_folder.problem(["phong_plain"]) is None
     baked = tables.load(tables.TABLES["phong_plain"])
     tables.use_folder()
     np.testing.assert_allclose(baked, tables.load(tables.TABLES["phong_plain"]), rtol=1e-6)
@@ -375,7 +376,7 @@ def test_bake_makes_the_shipped_table(bpy, one_table):
 
 def test_failed_bake_is_reported(bpy, monkeypatch, capsys):
     from addon.baking import bake
-    from addon.blender import luts
+    from addon.blender.host import table_job
 
     def broken(names, workers, size):
         yield 1, 2, "phong_plain"
@@ -384,14 +385,15 @@ def test_failed_bake_is_reported(bpy, monkeypatch, capsys):
     monkeypatch.setattr(bake, "bake", broken)
     with pytest.raises(RuntimeError, match="the disk is full"):
         bpy.ops.plausible.bake_luts()
-    assert isinstance(luts.job.error, OSError)
+    assert isinstance(table_job.job.error, OSError)
 
 
 def test_update_materials_compiles_anew(bpy):
-    from addon.blender import groups, materials
+    from addon.blender.backend import osl
+    from addon.blender.material import groups
 
     material = make("pumped_phong", exponent=33.0)
-    script = groups.script_of(materials.find_node(material))
+    script = osl.script_of(groups.find_node(material))
     right, script.bytecode = script.bytecode, "stale"
     assert bpy.ops.plausible.update_materials() == {"FINISHED"}
     assert script.bytecode == right and material.plausible_brdf.exponent == 33.0

@@ -70,7 +70,7 @@ def test_rendering_one(tmp_path):
 def test_icons_come_and_go(monkeypatch):
     """None in background mode; where they are, models and presets have theirs, and what has no file has none."""
     bpy = pytest.importorskip("bpy")
-    from addon.blender import icons, properties
+    from addon.blender.ui import icons, properties
 
     assert bpy.app.background
     icons.start()
@@ -93,7 +93,7 @@ def test_icons_come_and_go(monkeypatch):
 def test_a_file_that_is_missing(monkeypatch, tmp_path):
     """Its item has no icon, and all else is as it was."""
     pytest.importorskip("bpy")
-    from addon.blender import icons
+    from addon.blender.ui import icons
 
     monkeypatch.setattr(assets, "preview", lambda key: tmp_path / f"{key}.png" if key in MODELS else PATHS[-1])
     icons.start(in_background=True)

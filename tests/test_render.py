@@ -504,16 +504,16 @@ def albedo_at(view_deg, model=DEFAULT[0], parameters=DEFAULT[1]):
 
 
 def node_of(material):
-    from addon.blender import materials
+    from addon.blender.material import groups
 
-    return materials.find_node(material)
+    return groups.find_node(material)
 
 
 def sockets_of(material):
     """{parameter id: socket} of the node of ours in a material."""
-    from addon.blender import groups
+    from addon.blender.material import sockets
 
-    return groups.sockets(node_of(material))
+    return sockets.by_id(node_of(material))
 
 
 def surface_socket(material):
@@ -645,7 +645,7 @@ def test_mixed_half_and_half_with_diffuse():
 def test_inside_a_node_group():
     import bpy
 
-    from addon.blender import groups
+    from addon.blender.material import groups
 
     tree = bpy.data.node_groups.new("Wrapped", "ShaderNodeTree")
     tree.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")

@@ -11,7 +11,7 @@ from test_render_weights import is_striped, picture_of
 
 from addon import create_material, verify
 from addon.baking import weights
-from addon.blender import materials, nodes
+from addon.blender.material import baked_state, materials, sockets
 from addon.brdf import MODELS
 
 pytestmark = pytest.mark.blender
@@ -101,16 +101,16 @@ def test_an_image_that_changes(tmp_path, monkeypatch):
     image = written(tmp_path, spot(32), "a map; \u00e4.exr")
     material = create_material("ndf_map", image=image)
     node = node_of(material)
-    assert materials.values(node)["image"] == image and not nodes.is_stale(node)
+    assert sockets.values(node)["image"] == image and not baked_state.is_stale(node)
     assert not is_striped(picture_of(material))  # the shader knows the path that it was baked for
     written(tmp_path, letter(48), "a map; \u00e4.exr")
-    assert nodes.is_stale(node)
-    nodes.bake_weights(node)
-    assert not nodes.is_stale(node)
+    assert baked_state.is_stale(node)
+    baked_state.bake(node)
+    assert not baked_state.is_stale(node)
     (tmp_path / "a map; \u00e4.exr").unlink()
-    assert not nodes.is_stale(node)
+    assert not baked_state.is_stale(node)
     monkeypatch.undo()
     roughness = material.roughness
     with pytest.raises(ValueError, match=r"elsewhere\.exr: no such file"):
         materials.set_value(node, MODEL.parameter("image"), str(tmp_path / "elsewhere.exr"))
-    assert nodes.is_stale(node) and is_striped(picture_of(material)) and material.roughness == roughness
+    assert baked_state.is_stale(node) and is_striped(picture_of(material)) and material.roughness == roughness

@@ -22,7 +22,9 @@ from test_render import (
 from test_render_weights import LEANING, is_striped, picture_of
 
 from addon import brdf, create_material
-from addon.blender import groups, materials, nodes
+from addon.blender.backend import osl
+from addon.blender.material import baked_state, materials
+from addon.blender.material import driven as driven_parameters
 
 pytestmark = pytest.mark.blender
 
@@ -49,10 +51,10 @@ def driven(model, values, ranges=None, **given):
     for name, value in values.items():
         driver_of(material, name, value)
         if ranges and name in ranges:
-            nodes.set_range(node_of(material), brdf.MODELS[model].parameter(name), *ranges[name])
-    assert nodes.is_stale(node_of(material))
-    nodes.bake_weights(node_of(material))
-    assert not nodes.is_stale(node_of(material))
+            driven_parameters.set_range(node_of(material), brdf.MODELS[model].parameter(name), *ranges[name])
+    assert baked_state.is_stale(node_of(material))
+    baked_state.bake(node_of(material))
+    assert not baked_state.is_stale(node_of(material))
     return material
 
 
@@ -78,7 +80,7 @@ def test_furnace(model, values, ranges, given, between):
     bound = np.maximum(FURNACE_BOUND + between, LEANING)[:, None]
     assert noise.max() <= FURNACE_BOUND
     assert (np.abs(measured - reference) <= bound + SIGMAS * noise).all(), np.round(measured - reference, 4)
-    stated = nodes.baked_error(node_of(material))
+    stated = baked_state.baked_error(node_of(material))
     assert between <= stated[1] + FURNACE_BOUND, "more is allowed here than the panel admits"
 
 
@@ -89,7 +91,7 @@ def test_sphere_under_a_sun(exponent):
     material = driven("blinn_fresnel", {"exponent": exponent, **given}, {"exponent": (40.0, 80.0)})
     report = Sun(material, lambda view, light: brdf.MODELS["blinn_fresnel"].evaluate(
         view, light, exponent=exponent, **given), (0.0, 40.0, 65.0), 32)
-    stated = nodes.baked_error(node_of(material))
+    stated = baked_state.baked_error(node_of(material))
     bound = 0.012 + (stated[0] if 40.0 < exponent < 80.0 else 0.0)
     assert report.l1().max() <= bound, report
     total = TOTAL_BOUND + (stated[1] if 40.0 < exponent < 80.0 else 0.0)
@@ -118,7 +120,7 @@ def test_a_texture_is_followed_from_point_to_point():
     mixed.inputs["Green"].default_value = 0.5
     tree.links.new(mixed.outputs[0], sockets_of(material)["base_color"])
     assert is_striped(picture_of(material))
-    nodes.bake_weights(node_of(material))
+    baked_state.bake(node_of(material))
     pixels = plane(material, 0.0, samples=256).reshape(16, 16, 3)
     white = float(brdf.MODELS["ward"].albedo(cosines([0.5]))[0])
     red = pixels[..., 0].mean(axis=0)
@@ -137,10 +139,10 @@ def test_keyframes_are_followed():
     for frame, value in ((1, 10.0), (11, 14.0)):
         socket.default_value = value
         socket.keyframe_insert("default_value", frame=frame)
-    assert nodes.is_stale(node)
-    least, most = nodes.range_of(node, brdf.MODELS["phong_original"].parameter("exponent"))
+    assert baked_state.is_stale(node)
+    least, most = driven_parameters.range_of(node, brdf.MODELS["phong_original"].parameter("exponent"))
     assert (least, most) == (pytest.approx(10.0), pytest.approx(14.0))
-    nodes.bake_weights(node)
+    baked_state.bake(node)
     for frame, value in ((1, 10.0), (6, 12.0), (11, 14.0)):
         def at(place, frame=frame):
             for scene in (place.scene, bpy.context.scene):  # the one in the window tells what time it is
@@ -149,15 +151,15 @@ def test_keyframes_are_followed():
         pixels = plane(material, 30.0, samples=256, arrange=at)
         albedo = float(brdf.MODELS["phong_original"].albedo(cosines([30.0]), exponent=value)[0])
         assert pixels.mean() == pytest.approx(albedo, abs=4e-3)
-        assert not nodes.is_stale(node)
+        assert not baked_state.is_stale(node)
     bpy.context.scene.frame_set(1)
     socket.default_value = 40.0
     socket.keyframe_insert("default_value", frame=21)
-    assert nodes.is_stale(node) and nodes.driven(node)["exponent"][1] == pytest.approx(40.0)
+    assert baked_state.is_stale(node) and driven_parameters.ranges(node)["exponent"][1] == pytest.approx(40.0)
     for frame, value in ((200, 40.0), (201, 90.0), (202, 40.0), (900, 40.0)):  # a flash among long stretches
         socket.default_value = value
         socket.keyframe_insert("default_value", frame=frame)
-    assert nodes.driven(node)["exponent"][1] == pytest.approx(90.0)
+    assert driven_parameters.ranges(node)["exponent"][1] == pytest.approx(90.0)
 
 
 @pytest.mark.versions
@@ -166,10 +168,10 @@ def test_a_driver_is_followed():
     material = create_material("phong_original", exponent=10.0)
     node, socket = node_of(material), sockets_of(material)["exponent"]
     socket.driver_add("default_value").driver.expression = "10 + 2 * 3"
-    least, most = nodes.driven(node)["exponent"]
-    nodes.bake_weights(node)
+    least, most = driven_parameters.ranges(node)["exponent"]
+    baked_state.bake(node)
     socket.default_value = 16.0
-    assert nodes.driven(node)["exponent"] == (least, most) and not nodes.is_stale(node)
+    assert driven_parameters.ranges(node)["exponent"] == (least, most) and not baked_state.is_stale(node)
     albedo = float(brdf.MODELS["phong_original"].albedo(cosines([30.0]), exponent=16.0)[0])
     assert plane(material, 30.0, samples=256).mean() == pytest.approx(albedo, abs=6e-3)
 
@@ -180,12 +182,12 @@ def test_links_stay_live_when_the_model_changes():
     driver_of(material, "base_color", (0.4, 0.4, 0.4))
     materials.change_model(material, "blinn_original")
     node = node_of(material)
-    assert list(nodes.driven(node)) == ["base_color"] and not nodes.is_stale(node)
+    assert list(driven_parameters.ranges(node)) == ["base_color"] and not baked_state.is_stale(node)
     albedo = brdf.MODELS["blinn_original"].albedo(cosines([30.0]), exponent=30.0, base_color=0.4).mean()
     assert plane(material, 30.0, samples=256).mean() == pytest.approx(albedo, abs=4e-3)
-    other = groups.script_of(node).bytecode
+    other = osl.script_of(node).bytecode
     materials.set_range(node, brdf.MODELS["blinn_original"].parameter("base_color"), 0.2, 0.6)
-    assert not nodes.is_stale(node) and groups.script_of(node).bytecode != other
+    assert not baked_state.is_stale(node) and osl.script_of(node).bytecode != other
     material.node_tree.links.remove(sockets_of(material)["base_color"].links[0])
-    assert nodes.is_stale(node)  # now the socket's own value counts, which no weights are for
+    assert baked_state.is_stale(node)  # now the socket's own value counts, which no weights are for
     bpy.data.materials.remove(material)

@@ -27,7 +27,7 @@ from test_render import (
 )
 
 from addon import brdf, create_material, verify
-from addon.blender import materials, nodes
+from addon.blender.material import baked_state, groups, materials
 from addon.brdf.geometry import view_at
 
 pytestmark = pytest.mark.blender
@@ -178,12 +178,12 @@ def test_stale_weights_are_striped():
     """Values that were written behind our back cannot be followed: nobody takes what is shown for them."""
     material = create_material("cook_torrance", roughness=0.2)
     node = node_of(material)
-    assert not is_striped(picture_of(material)) and not nodes.is_stale(node)
+    assert not is_striped(picture_of(material)) and not baked_state.is_stale(node)
     socket = sockets_of(material)["roughness"]
     socket.default_value = 0.3
-    assert is_striped(picture_of(material)) and nodes.is_stale(node)
-    nodes.bake_weights(node)
-    assert not is_striped(picture_of(material)) and not nodes.is_stale(node)
+    assert is_striped(picture_of(material)) and baked_state.is_stale(node)
+    baked_state.bake(node)
+    assert not is_striped(picture_of(material)) and not baked_state.is_stale(node)
 
 
 @pytest.mark.versions
@@ -197,7 +197,7 @@ def test_values_are_followed():
     albedo = brdf.MODELS["cosine_microfacet"].albedo(cosines([60.0]), exponent=10.0, base_color=0.5)
     assert plane(material, 60.0, samples=64).mean() == pytest.approx(float(np.mean(albedo)), abs=4e-3)
     materials.change_model(material, "pumped_phong")
-    assert not nodes.is_stale(materials.find_node(material)) and not is_striped(picture_of(material))
+    assert not baked_state.is_stale(groups.find_node(material)) and not is_striped(picture_of(material))
 
 
 READER = """

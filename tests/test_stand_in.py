@@ -14,11 +14,12 @@ VIEW = 50.0
 
 def stand_in_alone(material):
     """The node of a material whose stand-in is what Cycles renders."""
-    from addon.blender import groups, nodes
+    from addon.blender.backend import protocol
+    from addon.blender.material import groups
 
-    node = nodes.find_node(material)
+    node = groups.find_node(material)
     surface = material.node_tree.get_output_node("CYCLES").inputs["Surface"]
-    material.node_tree.links.new(node.outputs[groups.STAND_IN], surface)
+    material.node_tree.links.new(node.outputs[protocol.STAND_IN], surface)
     return node
 
 
@@ -42,26 +43,28 @@ def rendered(material, view=VIEW):
     ("ward", {"diffuse_color": (0.1, 0.2, 0.3)}),
 ])
 def test_it_is_what_is_said_of_it(model_id, given):
-    from addon.blender import nodes, stand_in
+    from addon.blender.material import groups, sockets
+    from addon.fitting import fallback
 
     material = create_material(model_id, **given)
-    node = nodes.find_node(material)
+    node = groups.find_node(material)
     mu = np.cos(np.radians([VIEW]))
     expected = sum(share(mu) * principled_bsdf.albedo(inputs, mu)[0]
-                   for share, inputs in stand_in.parts(MODELS[model_id], nodes.values(node)))
+                   for share, inputs in fallback.parts(MODELS[model_id], sockets.values(node)))
     found, noise = rendered(material)
     # Cycles' tables and ours of what GGX scatters more than once are within half a percent of each other.
     np.testing.assert_allclose(found, expected, atol=0.006 + 5.0 * noise.max())
 
 
 def test_a_body_goes_dark_towards_grazing_as_schlick_says():
-    from addon.blender import nodes, stand_in
+    from addon.blender.material import groups, sockets
+    from addon.fitting import fallback
 
     material = create_material("edwards_empirical", base_color=0.04, diffuse_color=(0.8, 0.4, 0.2), exponent=50.0)
     mu = np.cos(np.radians([75.0]))
-    values = nodes.values(nodes.find_node(material))
+    values = sockets.values(groups.find_node(material))
     expected = sum(share(mu) * principled_bsdf.albedo(inputs, mu)[0]
-                   for share, inputs in stand_in.parts(MODELS["edwards_empirical"], values))
+                   for share, inputs in fallback.parts(MODELS["edwards_empirical"], values))
     found, noise = rendered(material, 75.0)
     np.testing.assert_allclose(found, expected, atol=0.006 + 5.0 * noise.max())
 
@@ -69,13 +72,13 @@ def test_a_body_goes_dark_towards_grazing_as_schlick_says():
 @pytest.mark.parametrize("model_id, given", [("pumped_phong", {"exponent": 30.0}), ("disk_scaling", {"radius_u": 0.4})])
 def test_its_lobe_is_as_high_as_is_said(model_id, given):
     """The peak goes with the fourth power of the roughness; an albedo hardly knows it."""
-    from addon.blender import stand_in
-    from addon.blender.nodes import values
+    from addon.blender.material.sockets import values
+    from addon.fitting import fallback
 
     material = create_material(model_id, **given)
     node, light = stand_in_alone(material), verify.in_plane([VIEW])
     view = light * [-1.0, 1.0, 1.0]
-    ((_, inputs),) = stand_in.parts(MODELS[model_id], values(node))
+    ((_, inputs),) = fallback.parts(MODELS[model_id], values(node))
     expected = principled_bsdf.evaluate(inputs, view, light)[0]
     found, noise = verify.goniometer(material, VIEW, light, samples=64)
     np.testing.assert_allclose(found[0], expected, rtol=0.03, atol=5.0 * noise.max())
@@ -83,15 +86,14 @@ def test_its_lobe_is_as_high_as_is_said(model_id, given):
 
 def test_errors_are_of_these_nodes():
     """About as good as the fit, whose colours make the albedo right first; a wrong roughness shows."""
-    from addon.blender import stand_in
-    from addon.fitting import principled
+    from addon.fitting import fallback, principled
 
     for model_id in ("pumped_phong", "disk_orthogonal", "edwards_fit"):
         model = MODELS[model_id]
         values = {p.id: p.default for p in model.parameters if p.evaluated}
         best = principled.fit(model, values)
-        lobe, albedo = stand_in.error(model, values)
+        lobe, albedo = fallback.error(model, values)
         assert 0.9 < (lobe + albedo) / (best.lobe_error + best.albedo_error) < 1.1
-        (share, inputs), *others = stand_in.parts(model, values)
+        (share, inputs), *others = fallback.parts(model, values)
         wide = type(inputs)(inputs.base_color, inputs.metallic, 1.3 * inputs.roughness)
         assert sum(principled.errors(model, values, [(share, wide), *others])) > 1.1 * (lobe + albedo)

@@ -4,15 +4,16 @@ import pytest
 from recorder import context_for, drawn, operators, texts
 
 from addon import create_material
+from addon.brdf import MODELS, tables
 from addon.verify import room
 
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 
 def values_of(material):
-    from addon.blender import nodes
+    from addon.blender.material import groups, sockets
 
-    return nodes.values(nodes.find_node(material))
+    return sockets.values(groups.find_node(material))
 
 
 def press(bpy, name, material):
@@ -71,16 +72,17 @@ def test_the_native_approximation_needs_no_osl(bpy):
     assert np.array_equal(picture(material, True), model)
 
 
-def test_the_native_approximation_goes_where_the_model_went(bpy):
-    """Through mixes and into several outputs; what is plugged in meanwhile stays."""
-    from addon.blender import nodes
+def test_the_native_approximation_goes_where_the_model_goes(bpy):
+    """Links stay as they are, through mixes and into several outputs; others that share the group keep the model."""
+    from addon.blender import backend
+    from addon.blender.material import groups
 
-    material = create_material("phong")
-    tree, node = material.node_tree, nodes.find_node(material)
+    material, other = create_material("phong"), create_material("phong")
+    tree, node = material.node_tree, groups.find_node(material)
+    assert node.node_tree == groups.find_node(other).node_tree
     mix, add = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeAddShader")
-    output = tree.get_output_node("CYCLES")
     tree.links.new(node.outputs["BSDF"], mix.inputs[1])
-    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    tree.links.new(mix.outputs[0], tree.get_output_node("CYCLES").inputs["Surface"])
     tree.links.new(node.outputs["BSDF"], add.inputs[0])
 
     def plugged():
@@ -88,22 +90,60 @@ def test_the_native_approximation_goes_where_the_model_went(bpy):
                 for output in node.outputs for link in output.links}
 
     before = plugged()
-    assert sorted(before.values()) == ["BSDF", "BSDF", "Stand-in"]
     press(bpy, "switch_native", material)
-    assert set(plugged().values()) == {"Stand-in"} and plugged().keys() == before.keys()
-    other = tree.nodes.new("ShaderNodeBsdfDiffuse")
-    tree.links.new(other.outputs[0], add.inputs[0])
+    assert groups.backend_of(node) == backend.FALLBACK and plugged() == before
+    assert groups.backend_of(groups.find_node(other)) == backend.DEFAULT
     press(bpy, "switch_native", material)
-    del before[(add.name, add.inputs[0].identifier)]
-    assert plugged() == before and add.inputs[0].links[0].from_node == other
-    for link in list(node.outputs["BSDF"].links):
-        tree.links.remove(link)
-    with pytest.raises(RuntimeError, match="plugged into nothing"):
+    assert groups.backend_of(node) == backend.DEFAULT and plugged() == before
+
+
+def test_a_material_is_made_without_osl(bpy, monkeypatch):
+    """Where the build has none: the fallback renders, is measured, and can be driven as the model can."""
+    from addon.blender.backend import osl
+    from addon.blender.material import groups
+
+    monkeypatch.setattr(osl, "unavailable", lambda: "no shading language here")
+    material = create_material("pumped_phong", backend="principled", exponent=50.0, samples=7)
+    assert "samples" not in groups.socket_identifiers(groups.find_node(material).node_tree)
+    assert picture(material, False).mean() > 0.8
+    with pytest.raises(osl.OslError):
+        create_material("pumped_phong")
+    with pytest.raises(ValueError, match="backend: 'tape' is not one of osl, principled"):
+        create_material("pumped_phong", backend="tape")
+
+
+@pytest.mark.parametrize("model, name, value", [
+    ("ward", "roughness_u", 0.4), ("ndf_map", "base_color", (0.5, 0.2, 0.1))])
+def test_the_fallback_of_a_baked_model_follows_its_values(bpy, no_weights, model, name, value):
+    """Its program is made for values, too; back again the rows are those of the values meanwhile."""
+    from addon.blender.material import baked_state, groups, materials
+
+    material = create_material(model)
+    node = groups.find_node(material)
+    press(bpy, "switch_native", material)
+    before = groups.backend_of(node).installed(node.node_tree)
+    materials.set_value(node, MODELS[model].parameter(name), value)
+    assert groups.backend_of(node).installed(node.node_tree) != before and not baked_state.is_stale(node)
+    press(bpy, "switch_native", material)
+    assert not baked_state.is_stale(node)
+    assert material.plausible_brdf.model == model
+
+
+def test_a_text_is_kept_by_a_backend_that_does_not_read_it(bpy, no_weights):
+    """The path of an image has no socket on a group before Blender 5."""
+    from addon.blender.material import groups, sockets
+
+    material = create_material("ndf_map", backend="principled")
+    node, image = groups.find_node(material), MODELS["ndf_map"].parameter("image")
+    path = str(tables.PACKAGED / "ndf_star.exr")
+    sockets.write(node, image, path)
+    for _ in range(2):
         press(bpy, "switch_native", material)
+        assert sockets.get_value(node, image) == path
 
 
 def test_a_device_without_osl_offers_it(bpy, monkeypatch):
-    from addon.blender import osl
+    from addon.blender.backend import osl
 
     monkeypatch.setattr(osl, "supports_osl", lambda scene: scene.cycles.device == "CPU")
     log = drawn(context_for(bpy, create_material("phong"), device="GPU"))

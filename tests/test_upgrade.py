@@ -25,9 +25,9 @@ def loaded(bpy):
 
 
 def node_in(bpy, name):
-    from addon.blender import nodes
+    from addon.blender.material import groups
 
-    return nodes.find_node(bpy.data.materials[name])
+    return groups.find_node(bpy.data.materials[name])
 
 
 def test_versions_compare_by_number():
@@ -36,52 +36,52 @@ def test_versions_compare_by_number():
 
 
 def test_values_and_links_stay(loaded):
-    from addon.blender import groups, nodes
+    from addon.blender.material import groups, sockets
 
     node = node_in(loaded, "Animated")
-    assert node.bl_idname == "ShaderNodeGroup" and nodes.model_of(node).id == "pumped_phong"
-    values = nodes.values(node)
+    assert node.bl_idname == "ShaderNodeGroup" and groups.model_of(node).id == "pumped_phong"
+    values = sockets.values(node)
     assert values["exponent"] == 50.0 and values["base_color"] == (0.5, 0.25, 0.125)
-    sockets = groups.sockets(node)
-    assert sockets["samples"].default_value == 7
-    assert sockets["roughness"].links[0].from_node.name == "Driver of roughness"
-    assert nodes.values(node_in(loaded, "Wrapped"))["exponent"] == 12.0
-    inside = next(n for n in loaded.data.node_groups["Mine"].nodes if nodes.model_of(n))
-    assert nodes.model_of(inside).id == "blinn" and nodes.values(inside)["exponent"] == 33.0
+    held = sockets.by_id(node)
+    assert held["samples"].default_value == 7
+    assert held["roughness"].links[0].from_node.name == "Driver of roughness"
+    assert sockets.values(node_in(loaded, "Wrapped"))["exponent"] == 12.0
+    inside = next(n for n in loaded.data.node_groups["Mine"].nodes if groups.model_of(n))
+    assert groups.model_of(inside).id == "blinn" and sockets.values(inside)["exponent"] == 33.0
     (link,) = inside.outputs["BSDF"].links
     assert link.to_node.bl_idname == "NodeGroupOutput"
 
 
 def test_keyframes_and_drivers_follow(loaded):
-    from addon.blender import groups
+    from addon.blender.material import sockets
 
     material = loaded.data.materials["Animated"]
     thing = loaded.data.objects.new("thing", loaded.data.meshes.new("thing"))
     thing.data.materials.append(material)
     loaded.context.scene.collection.objects.link(thing)
-    sockets = groups.sockets(node_in(loaded, "Animated"))
+    held = sockets.by_id(node_in(loaded, "Animated"))
     for frame, spread, pumps in ((1, 0.5, 0.1), (11, 1.5, 1.1), (30, 1.5, 3.0)):
         loaded.context.scene.frame_set(frame)
-        assert sockets["light_spread"].default_value == pytest.approx(spread)
-        assert sockets["pumps"].default_value == pytest.approx(pumps)
+        assert held["light_spread"].default_value == pytest.approx(spread)
+        assert held["pumps"].default_value == pytest.approx(pumps)
 
 
 def test_another_model_keeps_keyframes(bpy):
     """Of what both have; those of what the other lacks wait under its name, and move nothing meanwhile."""
     from addon import create_material
-    from addon.blender import groups, materials, nodes
+    from addon.blender.material import groups, materials, sockets
 
     material = create_material("pumped_phong", exponent=7.0)
     thing = bpy.data.objects.new("thing", bpy.data.meshes.new("thing"))
     thing.data.materials.append(material)
     bpy.context.scene.collection.objects.link(thing)
-    before = groups.sockets(nodes.find_node(material))
+    before = sockets.by_id(groups.find_node(material))
     for name, value in (("samples", 2), ("samples", 8), ("pumps", 3.0)):
         before[name].default_value = value
         before[name].keyframe_insert("default_value", frame=value)
     for model_id in ("phong", "pumped_phong"):
         materials.change_model(material, model_id)
-        after = groups.sockets(nodes.find_node(material))
+        after = sockets.by_id(groups.find_node(material))
         for frame in (2, 8):
             bpy.context.scene.frame_set(frame)
             assert after["samples"].default_value == frame and after["exponent"].default_value == 7.0
@@ -91,14 +91,15 @@ def test_another_model_keeps_keyframes(bpy):
 
 
 def test_the_shader_is_this_versions(loaded):
-    from addon.blender import groups, osl, upgrade
+    from addon.blender.backend import osl
+    from addon.blender.material import upgrade
 
     for name, model in (("Animated", "pumped_phong"), ("Wrapped", "disk_scaling")):
         node = node_in(loaded, name)
-        assert groups.script_of(node).bytecode == osl.compile_model(MODELS[model])
+        assert osl.script_of(node).bytecode == osl.Osl().program(MODELS[model]).content
         assert upgrade.version_of(node) == VERSION
     # Baking takes seconds, and a file is not to open slowly: its own weights serve until they are baked anew.
-    assert groups.script_of(node_in(loaded, "Baked")).bytecode == "bytecode of an older version of ward"
+    assert osl.script_of(node_in(loaded, "Baked")).bytecode == "bytecode of an older version of ward"
     assert not upgrade.outdated()
 
 
@@ -114,13 +115,13 @@ def test_it_is_told(loaded, capsys):
     words = texts(drawn(context_for(loaded, material)))
     assert f"Upgraded to {VERSION}: Animated, Baked, Mine, Wrapped" in words and "until you save" in words
     loaded.ops.wm.read_factory_settings(use_empty=True)
-    from addon.blender import upgrade
+    from addon.blender.material import upgrade
 
     assert upgrade.told == ""
 
 
 def test_what_is_appended_later_has_a_button(bpy):
-    from addon.blender import nodes
+    from addon.blender.material import groups, sockets
 
     with bpy.data.libraries.load(str(OLD)) as (_, wanted):
         wanted.materials = ["Wrapped"]
@@ -128,12 +129,12 @@ def test_what_is_appended_later_has_a_button(bpy):
     log = drawn(context_for(bpy, material))
     assert "earlier version" in texts(log) and "plausible.upgrade" in operators(log)
     assert bpy.ops.plausible.upgrade() == {"FINISHED"}
-    assert nodes.values(nodes.find_node(material))["exponent"] == 12.0
+    assert sockets.values(groups.find_node(material))["exponent"] == 12.0
     assert "plausible.upgrade" not in operators(drawn(context_for(bpy, material)))
 
 
 def test_what_is_linked_is_left_alone(bpy):
-    from addon.blender import upgrade
+    from addon.blender.material import upgrade
 
     with bpy.data.libraries.load(str(OLD), link=True) as (_, wanted):
         wanted.materials = ["Wrapped"]
@@ -142,7 +143,7 @@ def test_what_is_linked_is_left_alone(bpy):
 
 
 def test_one_that_cannot_be_upgraded_stays(bpy, monkeypatch):
-    from addon.blender import groups, upgrade
+    from addon.blender.material import groups, upgrade
 
     def broken(tree, model, *_):
         raise OSError("the table is gone")
@@ -157,10 +158,11 @@ def test_one_that_cannot_be_upgraded_stays(bpy, monkeypatch):
 
 def test_a_newer_version_is_told(bpy):
     from addon import create_material
-    from addon.blender import groups, nodes, status, upgrade
+    from addon.blender.material import groups, upgrade
+    from addon.blender.ui import notices
 
     material = create_material("disk_scaling")
-    node = nodes.find_node(material)
+    node = groups.find_node(material)
     node.node_tree[groups.VERSION_KEY] = "99.0.0"
     assert not upgrade.is_outdated(node) and upgrade.upgrade_all() == ""
-    assert "Made by version 99.0.0" in " ".join(n.text for n in status.notices(context_for(bpy, material), node))
+    assert "Made by version 99.0.0" in " ".join(n.text for n in notices.notices(context_for(bpy, material), node))

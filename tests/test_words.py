@@ -9,7 +9,7 @@ pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 
 def table():
-    from addon.blender.german import GERMAN
+    from addon.blender.host.german import GERMAN
 
     return GERMAN
 
@@ -39,18 +39,18 @@ def test_numbers_stay():
 
 def test_the_panel_speaks_german(bpy):
     from addon import create_material
-    from addon.blender import words
+    from addon.blender.host import translation
 
     view = bpy.context.preferences.view
     before = view.language, view.use_translate_interface
     try:
         view.language, view.use_translate_interface = "de_DE", True
     except TypeError:  # a build without languages knows English only
-        assert words.say("Furnace Test") == "Furnace Test"
+        assert translation.say("Furnace Test") == "Furnace Test"
         return
     try:
-        assert words.say("Furnace test, render {done} of {total}", done=2, total=7) == "Ofentest, Bild 2 von 7"
+        assert translation.say("Furnace test, render {done} of {total}", done=2, total=7) == "Ofentest, Bild 2 von 7"
         assert "Materialien rendern schwarz" in texts(drawn(context_for(bpy, create_material("phong"), osl=False)))
     finally:
         view.language, view.use_translate_interface = before
-    assert words.say("Furnace test, starting") == "Furnace test, starting"
+    assert translation.say("Furnace test, starting") == "Furnace test, starting"

@@ -40,9 +40,10 @@ def base_alone(model, assignments) -> Candidate:
     found = [(old, new) for old, new in _SPLATS if text.count(old) == 1]
     if len(found) != 1:
         raise RuntimeError(f"the shader of {model.id} has no place where splats are drawn")
-    from ..blender import groups, nodes, osl
+    from ..blender.backend import osl
+    from ..blender.material import groups
 
-    node = nodes.find_node(made.material)
+    node = groups.find_node(made.material)
     groups.own(node)  # other materials of the model use the same
-    osl.fill(groups.script_of(node), osl.compile_text(model, text.replace(*found[0])))
+    osl.fill(osl.script_of(node), osl.compile_text(model, text.replace(*found[0])))
     return Candidate(f"{model.id}, base alone", made.material)

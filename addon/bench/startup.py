@@ -17,7 +17,7 @@ def measure(effort, progress, models=None) -> dict:
     `bake_s` is what a baked model's weights take, null for others. The first pixel is of a scene that Cycles loads
     anew, `closure_ms` that of the nearest closure in OSL.
     """
-    from ..blender import osl
+    from ..blender.backend import osl
 
     rows, chosen = [], [brdf.find_model(name) for name in models or brdf.MODELS]
     for i, model in enumerate(chosen):

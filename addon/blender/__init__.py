@@ -6,29 +6,29 @@ _registered = None
 
 def _modules():
     """What is registered, in this order. A module may have `prepare`, CLASSES, `start` and, to undo, `stop`."""
-    from . import (
-        add_menu,
-        asset_library,
-        bakes,
-        cache,
-        energy,
-        furnace_test,
-        icons,
-        luts,
-        operators,
-        panels,
-        preferences,
-        properties,
-        rebake,
+    from .backend import osl
+    from .host import asset_library, cache, table_folder, table_job, translation
+    from .material import row_jobs, upgrade, watch
+    from .ui import add_menu, energy, furnace_test, icons, panels, preferences, properties
+    from .ui.operators import (
+        backend_choice,
+        convert,
+        metals,
+        new_material,
+        open_shading_language,
+        presets,
+        pumping,
         renew,
-        switches,
-        upgrade,
-        watch,
-        words,
+        row_bake,
+        table_bake,
+        update,
+        width,
     )
 
-    return (words, icons, properties, operators, switches, renew, add_menu, bakes, panels, energy, furnace_test,
-            preferences, cache, luts, rebake, upgrade, watch, asset_library)
+    operators = (new_material, open_shading_language, metals, presets, convert, row_bake, update, width, pumping,
+                 backend_choice, renew)
+    return (translation, icons, properties, *operators, osl, add_menu, table_bake, panels, energy, furnace_test,
+            preferences, cache, table_folder, table_job, row_jobs, upgrade, watch, asset_library)
 
 
 def register():

@@ -103,7 +103,7 @@ def run(arguments):
     require("bpy", "render")
     if not arguments.save_blend:
         require("matplotlib", "demo")
-    from ..blender.osl import OslError
+    from ..blender.backend.osl import OslError
 
     try:
         for name in names:

@@ -111,7 +111,7 @@ def _step(scene, level, material):
 
 def _material(sphere):
     from .. import create_material
-    from ..blender import groups, nodes
+    from ..blender.material import groups, sockets
 
     material = create_material(sphere.model, name=f"{sphere.model} ({sphere.label})", **sphere.parameters)
     if sphere.brushed:
@@ -121,7 +121,7 @@ def _material(sphere):
         direction.location = (-480.0, 300.0)
         for socket, value in zip(direction.inputs, sphere.brushed, strict=True):
             socket.default_value = value
-        tree.links.new(direction.outputs[0], groups.sockets(nodes.find_node(material))["tangent"])
+        tree.links.new(direction.outputs[0], sockets.by_id(groups.find_node(material))["tangent"])
     return material
 
 

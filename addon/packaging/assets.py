@@ -22,7 +22,7 @@ def build(folder: Path = LIBRARY.parent, progress=lambda done, total: None) -> P
     """
     import bpy
 
-    from ..blender import materials, nodes
+    from ..blender.material import groups, materials
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     shown = [model for model in MODELS.values() if not model.baked]  # the others are baked for each use
@@ -34,7 +34,7 @@ def build(folder: Path = LIBRARY.parent, progress=lambda done, total: None) -> P
         made.add(material)
         progress(len(made), total)
     for model in shown:
-        tree = nodes.find_node(materials.create_material(model.id)).node_tree
+        tree = groups.find_node(materials.create_material(model.id)).node_tree
         _mark(tree, preview(model.id), model.description, _NODES, ("BRDF",))
         made.add(tree)
         progress(len(made), total)

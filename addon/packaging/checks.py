@@ -24,7 +24,7 @@ def check_shaders():
     """
     if importlib.util.find_spec("bpy") is None:
         return "bpy is not installed"
-    from ..blender import osl
+    from ..blender.backend import osl
 
     reason = osl.unavailable()
     if reason:

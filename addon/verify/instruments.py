@@ -70,7 +70,7 @@ def furnace(material, angles_deg, samples=256, resolution=16, seed=0, progress=_
 
     `samples` per pixel, `resolution` pixels across; `progress(done, total)` is called after each render.
     Returns mean and standard error, (N, 3) each. Raises ValueError for an angle out of range, RoomError (a
-    ValueError) where Blender or its OSL is missing.
+    ValueError) where Blender or what the material's backend needs is missing.
     """
     angles = _angles("angles_deg", angles_deg)
     rows = []

@@ -21,16 +21,37 @@ class RoomError(ValueError):
 
 
 def require_blender():
-    """Return the module bpy. Raises RoomError where it is not installed or its Cycles has no OSL."""
+    """Return the module bpy. Raises RoomError where it is not installed or has no Cycles."""
     if importlib.util.find_spec("bpy") is None:
         raise RoomError("needs Blender's Python module: install it with `pip install bpy`")
     with quiet():
         import bpy
         with contextlib.suppress(ImportError):
-            import _cycles
-            if getattr(_cycles, "with_osl", False):
-                return bpy
-    raise RoomError(f"Blender {bpy.app.version_string} was built without Cycles' Open Shading Language")
+            import _cycles  # noqa: F401
+            return bpy
+    raise RoomError(f"Blender {bpy.app.version_string} was built without Cycles")
+
+
+def prepare(scene, material):
+    """Switch on in a scene what the backends of a material's nodes need. Raises RoomError where one cannot render."""
+    for backend in set(_backends_in(material.node_tree)) if material.node_tree else ():
+        for hindrance in backend.why_not():
+            raise RoomError(hindrance.text)
+        backend.prepare(scene)
+
+
+def _backends_in(tree):
+    """The backends of the nodes of ours in a tree and its groups; a user's own Script node needs OSL's."""
+    from ..blender import backend
+    from ..blender.material import groups
+
+    for node in tree.nodes:
+        if groups.model_of(node) is not None:
+            yield groups.backend_of(node)
+        elif getattr(node, "node_tree", None) is not None:
+            yield from _backends_in(node.node_tree)
+        elif node.bl_idname == "ShaderNodeScript":
+            yield backend.DEFAULT
 
 
 @contextlib.contextmanager
@@ -98,6 +119,7 @@ class Room:
         self.scene.world = self._keep(data.worlds, data.worlds.new("Plausible World"))
         self.sky(0.0)
         _settle(self.scene, self.resolution, exact_pixels)
+        prepare(self.scene, material)
 
     def __enter__(self):
         return self
@@ -169,6 +191,7 @@ class Room:
         mesh = self._keep(data.meshes, data.meshes.new("Plausible Floor"))
         mesh.from_pydata([(x, y, -1.0) for x, y in ((-4, -4), (4, -4), (4, 4), (-4, 4))], [], [(0, 1, 2, 3)])
         mesh.materials.append(material)
+        prepare(self.scene, material)
         self._add_object("Plausible Floor", mesh)
 
     def bounces(self, count: int):
@@ -184,6 +207,7 @@ class Room:
         mesh.materials.clear()
         for material in materials:
             mesh.materials.append(material)
+            prepare(self.scene, material)
         mesh.from_pydata([(x, y, 0.0) for x in edges for y in (-0.5, 0.5)], [],
                          [(2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1) for i in range(count)])
         mesh.uv_layers.new(name="UVMap")
@@ -260,7 +284,7 @@ def _settle(scene, resolution, exact_pixels):
     render.image_settings.exr_codec = "NONE"
     scene.view_settings.view_transform = "Raw"
     cycles.device = "CPU"
-    cycles.shading_system = True
+    cycles.shading_system = False  # see `prepare`
     cycles.use_denoising = cycles.use_adaptive_sampling = cycles.use_guiding = False
     cycles.sampling_pattern = "TABULATED_SOBOL"  # the default pattern ties neighbouring pixels' noise together
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = 1

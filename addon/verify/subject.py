@@ -98,9 +98,9 @@ def of_file(path, name: str) -> Subject:
 
 def _require_shaders(path, material):
     """Raise ValueError where a node of ours has lost its shader: Blender itself may end when it renders that."""
-    from ..blender import renew
+    from ..blender.material import repair
 
-    lost = [node.name for node in material.node_tree.nodes if renew.lost_shader(node)] if material.node_tree else []
+    lost = [node.name for node in material.node_tree.nodes if repair.lost_shader(node)] if material.node_tree else []
     if lost:
         raise ValueError(f"{path}: material {material.name!r}: the shader of {', '.join(lost)} is gone or damaged; "
                          "open the file in Blender and press Renew Node in the panel")
@@ -108,13 +108,13 @@ def _require_shaders(path, material):
 
 def _formula(material):
     """Model and parameters of a material of ours whose surface is our node and nothing else; else None and {}."""
-    from ..blender import nodes
+    from ..blender.material import groups, sockets
 
-    node = nodes.find_node(material)
+    node = groups.find_node(material)
     output = material.node_tree and material.node_tree.get_output_node("CYCLES")
     if node is None or output is None or any(socket.is_linked for socket in node.inputs):
         return None, {}
     links = output.inputs["Surface"].links
     if not links or links[0].from_node != node:
         return None, {}
-    return nodes.model_of(node), nodes.values(node)
+    return groups.model_of(node), sockets.values(node)

@@ -1,0 +1,324 @@
+"""The OSL backend: a Script node that carries a model's compiled shader. It renders in Cycles, on the CPU."""
+import hashlib
+import re
+import tempfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import bpy
+
+from ...baking import ranges as parameter_ranges
+from ...baking import weights
+from ...brdf import tables
+from ...shading import source
+from ..host import cache, table_folder
+from ..host.translation import say
+from .protocol import BSDF, MODEL_KEY, BackendError, Cure, Notice, Program, pair_of, stored, text_of
+
+SCRIPT = "ShaderNodeScript"
+LUT_KEY = "plausible_lut"  # of a group: where the shader has its albedo tables, see `source.assemble`
+SPANS_KEY = "plausible_spans"  # of a group: the exponents that the tables compiled into it are baked for
+GET_BLENDER = Cure("wm.url_open", "Get Blender", {"url": "https://www.blender.org/download/"})
+# A switch is an int to OSL, and Blender 5.0 ends on a truth value that goes from a group into a Script node.
+_SOCKETS = {"float": "NodeSocketFloat", "int": "NodeSocketInt", "enum": "NodeSocketInt", "bool": "NodeSocketInt",
+            "color": "NodeSocketColor", "vector": "NodeSocketVector", "image": "NodeSocketString"}
+_compiled = {}  # hash of a source -> its bytecode
+
+
+class OslError(BackendError):
+    """This Blender cannot run the shaders; the message says why and what to do."""
+
+
+@dataclass(frozen=True)
+class Osl:
+    """See `protocol.Backend`. `lut` is "compiled" (tables are part of the shader) or "file" (it reads image files)."""
+
+    lut: str = source.COMPILED
+
+    id = "osl"
+    label = "Open Shading Language"
+
+    def with_options(self, lut: str = source.COMPILED) -> "Osl":
+        """See `Backend`."""
+        if lut not in (source.COMPILED, source.FILE):
+            raise ValueError(f"lut: {lut!r} is not one of {source.COMPILED}, {source.FILE}")
+        return replace(self, lut=lut)
+
+    def as_kept(self, group) -> "Osl":
+        """See `Backend`."""
+        return replace(self, lut=source.FILE if text_of(group, LUT_KEY) == source.FILE else source.COMPILED)
+
+    def keep_options(self, group):
+        """See `Backend`."""
+        group[LUT_KEY] = self.lut
+
+    def why_not(self, scene=None) -> tuple:
+        """See `Backend`."""
+        reason = unavailable()
+        if reason:
+            return (Notice(reason, (GET_BLENDER,)),)
+        if scene is None or scene.render.engine != "CYCLES":
+            return ()
+        return tuple(notice for notice in (_switched_off(scene), _wrong_device(scene)) if notice is not None)
+
+    def is_on(self, scene) -> bool:
+        """Whether Open Shading Language is switched on in a scene."""
+        return scene.cycles.shading_system
+
+    def prepare(self, scene) -> bool:
+        """See `Backend`: switches Open Shading Language on."""
+        was_off = not scene.cycles.shading_system
+        scene.cycles.shading_system = True
+        return was_off
+
+    def notices(self, node, model, values) -> tuple:
+        """See `Backend`: exponents beyond the tables compiled into the shader, and table files that cannot be read."""
+        wrong = [table_folder.problem_of(name, path) for name, path in table_files(node.node_tree, model).items()]
+        found = [_beyond(model, values, spans_of(node.node_tree)), *(Notice(text) for text in wrong[:1] if text)]
+        return tuple(notice for notice in found if notice is not None)
+
+    def parameters(self, model) -> tuple:
+        """See `Backend`: the shader has them all."""
+        return model.parameters
+
+    def follows_sockets(self, model) -> bool:
+        """See `Backend`: models with a shader of their own do; others have rows for their values."""
+        return not model.baked
+
+    def can_share(self, model) -> bool:
+        """See `Backend`: a shader that reads table files names them inside the group."""
+        return self.follows_sockets(model) and self.lut == source.COMPILED
+
+    def check(self, model, values):
+        """See `Backend`. Raises brdf.TableError where a table is missing, or not baked for an exponent."""
+        for table, exponent in model.readings(values) if self.lut == source.COMPILED else ():
+            tables.require(table, exponent)
+
+    def program(self, model, values=None, ranges=None) -> Program:
+        """See `Backend`. Raises OslError where the shader does not compile, brdf.TableError for a bad table."""
+        reason = unavailable()
+        if reason:
+            raise OslError(reason)
+        if not self.follows_sockets(model):
+            return self._program(model, cache.fetch(
+                cache.key(model, values or {}, "shader", ranges),
+                lambda: compile_text(model, source.assemble(model, self.lut, values, ranges))))
+        return self._program(model, _compiled_once(model, source.assemble(model, self.lut, values)))
+
+    def blank(self, model) -> Program:
+        """See `Backend`: its material renders striped."""
+        text = source.assemble(model, baked=parameter_ranges.Sets((), (weights.blank(model, {}),)))
+        text = text.replace("#define MODEL_MATCHES ", "#define MODEL_MATCHES 0 && ")
+        return self._program(model, _compiled_once(model, text))
+
+    def is_cached(self, model, values, ranges) -> bool:
+        """See `Backend`."""
+        return all(cache.holds(cache.key(model, values, what, ranges)) for what in ("shader", "error"))
+
+    def install(self, group, model, program, inputs):
+        """See `Backend`. Blender makes a Script node's sockets otherwise in each version, so they are made here."""
+        script = group.nodes.new(SCRIPT)
+        script.label, script.width, script.location = model.label, 220.0, (0.0, 300.0)
+        for parameter in model.parameters:
+            socket = script.inputs.new(_SOCKETS[parameter.kind], parameter.label, identifier=parameter.id)
+            socket.default_value = stored(socket, parameter.default)
+            if parameter.id in inputs:
+                group.links.new(inputs[parameter.id], socket)
+        for name in model.tables if self.lut == source.FILE else ():
+            table = tables.TABLES[name]
+            mode = source.mode_of(table)
+            socket = script.inputs.new("NodeSocketString", f"Table ({mode})", identifier=f"table_{mode}")
+            socket.default_value = str(table.path)
+        script.outputs.new("NodeSocketShader", BSDF, identifier=BSDF)
+        self.update(group, program)
+        return script.outputs[BSDF]
+
+    def update(self, group, program):
+        """See `Backend`."""
+        script = script_in(group)
+        if script.bytecode != program.content:
+            fill(script, program.content)
+        group[SPANS_KEY] = {name: span for name, *span in program.spans}
+
+    def output(self, group):
+        """See `Backend`."""
+        script = script_in(group)
+        return None if script is None else script.outputs.get(BSDF)
+
+    def installed(self, group) -> Program | None:
+        """See `Backend`: bytecode that Cycles can read, as far as its beginning tells."""
+        script = script_in(group)
+        if script is None or script.mode != "INTERNAL" or not script.bytecode.startswith("OpenShadingLanguage"):
+            return None
+        spans = tuple((name, *span) for name, span in spans_of(group).items())
+        return Program(self.id, text_of(group, MODEL_KEY), script.bytecode, spans)
+
+    def unfed(self, group, fed_by) -> list:
+        """See `Backend`."""
+        script = script_in(group)
+        if script is None:
+            return []
+        entries = {inside.identifier: _entry_of(inside) for inside in script.inputs}
+        return [name for name, identifier in fed_by.items() if entries.get(name, identifier) != identifier]
+
+    def _program(self, model, bytecode):
+        spans = tuple((name, *span) for name, span in source.spans(model).items())
+        return Program(self.id, model.id, bytecode, spans)
+
+
+# What stands in the way.
+
+def unavailable() -> str | None:
+    """Why this build of Blender cannot run OSL, or None where it can."""
+    try:
+        import _cycles
+    except ImportError:
+        return "This Blender was built without Cycles; Plausible BRDF renders in Cycles only"
+    if not getattr(_cycles, "with_osl", False):
+        return "This Blender was built without Open Shading Language; install the official build from blender.org"
+    return None
+
+
+_NATIVE = Cure("plausible.switch_native", "Native Approximation")
+
+
+def _switched_off(scene):
+    if scene.cycles.shading_system:
+        return None
+    return Notice("Open Shading Language is off in this scene: Plausible materials render black",
+                  (Cure("plausible.use_osl", "Switch on OSL"), _NATIVE))
+
+
+def _wrong_device(scene):
+    if scene.cycles.device != "GPU":
+        return None
+    # Cycles keeps 1 KB a hit for OSL's closures there, and does not look whether they fit.
+    text = ("On the GPU these materials ask for more room than Cycles has: render on the CPU, or what Cycles ships in "
+            "place of the model" if supports_osl(scene) else
+            "OSL on GPU needs OptiX, and these materials more room than Cycles has there: render on the CPU, or what "
+            "Cycles ships in place of the model")
+    on_cpu = Cure("wm.context_set_enum", "Render on CPU", {"data_path": "scene.cycles.device", "value": "CPU"})
+    return Notice(text, (on_cpu, _NATIVE))
+
+
+def supports_osl(scene) -> bool:
+    """Whether the scene renders OSL on its device: always on the CPU, on a GPU only with OptiX."""
+    if scene.cycles.device != "GPU":
+        return True
+    addon = bpy.context.preferences.addons.get("cycles")
+    return addon is not None and addon.preferences.compute_device_type in ("NONE", "OPTIX")
+
+
+def _beyond(model, values, spans):
+    """The notice for an exponent that the tables in a material's shader are not baked for, or None."""
+    for name, exponent in model.readings(model.resolve(values)):
+        span = spans.get(name)
+        if span is None or tables.covers(span, exponent):
+            continue
+        text = say("Exponent {exponent:.6g} is beyond the material's tables, which are for {low:g} to {high:g}: it "
+                   "renders striped", exponent=exponent, low=span[0], high=span[1])
+        if table_folder.problem([name]) is None and tables.covers(tables.in_use(name).span, exponent):
+            return Notice(text, (Cure("plausible.update_materials", "Update Materials"),))
+        return Notice(text, (Cure("plausible.choose_bake", "Bake LUTs", {"models": {model.id}}),))
+    return None
+
+
+# Compiling.
+
+def check_model(model):
+    """Compile a model's shader, without rows for its values. Raises as `Osl.program`."""
+    backend = Osl()
+    if backend.follows_sockets(model):
+        backend.program(model)
+    else:
+        backend.blank(model)
+
+
+def _compiled_once(model, text):
+    key = hashlib.md5(text.encode()).hexdigest()
+    if key not in _compiled:
+        _compiled[key] = compile_text(model, text)
+    return _compiled[key]
+
+
+def compile_text(model, text: str) -> str:
+    """Bytecode of a shader's OSL source. Raises OslError where it does not compile."""
+    import _cycles
+
+    with tempfile.TemporaryDirectory(prefix="plausible_") as folder:
+        osl, oso = Path(folder) / f"{model.id}.osl", Path(folder) / f"{model.id}.oso"
+        osl.write_text(text, encoding="utf-8")
+        if not _cycles.osl_compile(str(osl), str(oso)) or not oso.exists():
+            raise OslError(f"the shader of {model.label} did not compile; the console tells why")
+        return _by_itself(oso.read_text(encoding="utf-8"))
+
+
+def _by_itself(bytecode):
+    """Bytecode that is the same wherever it is compiled, as it goes into everyone's .blend.
+
+    Comments and file names tell where that was, and compilers of different versions number variables differently.
+    """
+    lines = [line for line in bytecode.splitlines() if not line.startswith("#")]
+    text = re.sub(r'\s%(?:filename|line)\{[^}]*\}', "", "\n".join(lines)) + "\n"
+    numbers = {}
+    return re.sub(r"___\d+_", lambda found: numbers.setdefault(found[0], f"___{len(numbers)}_"), text)
+
+
+# The Script node.
+
+def script_in(group):
+    """The Script node in a group of ours, or None."""
+    return next((node for node in group.nodes if node.bl_idname == SCRIPT and node.outputs), None)
+
+
+def script_of(node):
+    """The Script node inside a node of ours, or None."""
+    return script_in(node.node_tree)
+
+
+def fill(script, bytecode: str):
+    """Put bytecode into a Script node."""
+    script.mode = "INTERNAL"
+    script.bytecode = bytecode
+    script.bytecode_hash = hashlib.md5(bytecode.encode()).hexdigest()
+
+
+def _entry_of(inside):
+    """The identifier of the group's socket that feeds one inside; None where something else does, or nothing."""
+    link = inside.links[0] if inside.is_linked else None
+    return link.from_socket.identifier if link and link.from_node.bl_idname == "NodeGroupInput" else None
+
+
+def table_files(group, model) -> dict:
+    """{table: path} of the files that a group's shader reads its tables from; {} where they are compiled in."""
+    script = script_in(group)
+    modes = {f"table_{source.mode_of(tables.TABLES[name])}": name for name in model.tables}
+    return {modes[s.identifier]: Path(bpy.path.abspath(s.default_value)) for s in (script.inputs if script else ())
+            if s.identifier in modes and s.type == "STRING"}
+
+
+def spans_of(group) -> dict:
+    """{table: (least, largest) exponent} that the tables compiled into a group are baked for, as far as it is known."""
+    known = group.get(SPANS_KEY)
+    pairs = {name: pair_of(span) for name, span in known.items()} if hasattr(known, "items") else {}
+    return {name: pair for name, pair in pairs.items() if pair is not None}
+
+
+@bpy.app.handlers.persistent
+def on_load(*_):
+    """Of what a file brings: where bytecode is announced and there is none, Blender would end when it renders."""
+    for group in bpy.data.node_groups:
+        for node in group.nodes if MODEL_KEY in group and group.is_editable else ():
+            if node.bl_idname == SCRIPT and node.bytecode_hash and not node.bytecode:
+                node.bytecode_hash = ""
+
+
+def start():
+    """Look at every file that is loaded from now on."""
+    bpy.app.handlers.load_post.append(on_load)
+
+
+def stop():
+    """Look no more."""
+    if on_load in bpy.app.handlers.load_post:
+        bpy.app.handlers.load_post.remove(on_load)

@@ -1,0 +1,1 @@
+"""Blender as a host: settings, folders, the cache on disk, translation, redrawing."""

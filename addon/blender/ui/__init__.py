@@ -1,0 +1,1 @@
+"""What a user sees: panels, operators, menus, properties, preferences."""

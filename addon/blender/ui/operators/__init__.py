@@ -1,0 +1,1 @@
+"""Operators, one feature a file."""

@@ -1,0 +1,336 @@
+"""The panel, in the material tab and in the shader editor's sidebar."""
+import textwrap
+
+import bpy
+
+from ...brdf.disk_model import DiskModel
+from ...brdf.parameters import COLOR, LOBE, RETROREFLECTION
+from .. import backend as backends
+from ..host import table_folder, table_job
+from ..host.translation import look_up, say
+from ..material import driven, row_jobs
+from ..material.baked_state import baked_error, is_stale
+from ..material.groups import model_of
+from ..material.sockets import is_linked, socket_of, values
+from . import icons, notices
+from .operators import pumping, table_bake
+from .operators.common import material_of, plausible_node
+from .properties import NAMES, RANGES
+
+_AT_GRAZING = {"grazing_exponent", "retro_grazing_exponent"}  # read where exponents vary with the angle
+_COARSE = 0.1  # error of a lobe above which it is no longer what its parameters say
+_METAL_IDS = {"base_color", "ior", "extinction"}
+# A parameter that only one choice of Fresnel reads is shown with that choice only.
+_ONLY_WITH = {"f90": ("schlick",), "ior": ("conductor",), "extinction": ("conductor",),
+              "base_color": ("constant", "schlick")}
+
+
+def draw_text(layout, context, text, icon="NONE"):
+    """Labels that show all of `text`, broken to the width of the region; the icon stands before the first."""
+    scale = context.preferences.system.ui_scale
+    # About 6.5 pixels a letter, and 70 for margins and icon.
+    width = max(20, int((context.region.width / scale - 70) / 6.5))
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for line in textwrap.wrap(look_up(text), width):
+        column.label(text=line, icon=icon)
+        icon = "BLANK1" if icon != "NONE" else "NONE"
+
+
+def draw_notice(layout, context, notice):
+    """A message in a box, with the buttons that mend it."""
+    box = layout.box()
+    draw_text(box, context, notice.text, notice.icon)
+    row = box.row(align=True)
+    for cure in notice.cures:
+        if cure.operator == "plausible.choose_bake":
+            draw_bake(row, cure.settings.get("models"))
+            continue
+        button = row.operator(cure.operator, text=cure.label)
+        for name, value in cure.settings.items():
+            setattr(button, name, value)
+
+
+def draw_bake(layout, models=None):
+    """The bake's progress with a button to cancel it; without a bake, the button that asks what to bake.
+
+    `models` are those whose tables are proposed, by id; all when None.
+    """
+    if table_job.job is None or not table_job.job.running:
+        button = layout.operator("plausible.choose_bake", icon="RENDER_STILL")
+        if models:
+            button.models = models
+        return
+    row = layout.row(align=True)
+    row.progress(factor=table_job.job.share, text=table_bake.progress_text(table_job.job))
+    row.operator("plausible.cancel_bake", text="", icon="X")
+
+
+def draw_parameter(layout, material, node, parameter):
+    """One parameter: its slider, or what is linked to its socket, and the range that it is baked over, if it is."""
+    source = socket_of(node, parameter)
+    if source is None:
+        return
+    group, name = material.plausible_brdf, NAMES[parameter]
+    if source.is_linked:
+        _draw_link(layout, parameter.label, source.links[0].from_node)
+    elif parameter.kind == "color" and parameter.maximum > 1.0:
+        column = layout.column(align=True)
+        column.prop(group, name, index=0, text=f"{parameter.label}  R")
+        column.prop(group, name, index=1, text="G")
+        column.prop(group, name, index=2, text="B")
+    elif parameter.kind != "vector":  # three numbers tell nobody a direction: a vector is for links
+        layout.prop(group, name, text=parameter.label)
+    if parameter in RANGES and driven.is_driven(node, parameter):
+        layout.row(align=True).prop(group, RANGES[parameter])
+
+
+def _draw_link(layout, label, node):
+    split = layout.split(factor=0.4)
+    split.enabled = False
+    name = split.row()
+    name.alignment = "RIGHT"
+    name.label(text=label)
+    split.label(text=node.label or node.name, icon="LINKED")
+
+
+class Face:
+    """What the panels of both places have in common."""
+
+    @classmethod
+    def poll(cls, context):
+        return cls.is_here(context) and plausible_node(material_of(context))[1] is not None
+
+    def begin(self, context):
+        """(layout, material, node, model), the layout set up like Blender's own material panels."""
+        material = material_of(context)
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False  # the values are the node's sockets, and keyframes belong there
+        layout.enabled = material is None or material.is_editable
+        return (layout, material, *plausible_node(material))
+
+
+class _Main(Face):
+    bl_label = "Plausible BRDF"
+
+    @classmethod
+    def poll(cls, context):
+        return cls.is_here(context)
+
+    def draw(self, context):
+        layout, material, node, model = self.begin(context)
+        for notice in notices.notices(context, node, material):
+            draw_notice(layout, context, notice)
+        if model is None:
+            layout.operator("plausible.new_material", icon="ADD")
+            return
+        if icons.icon_of(model.id):
+            layout.template_icon_view(material.plausible_brdf, "model", show_labels=True, scale=4.0, scale_popup=4.0)
+        row = layout.row(align=True)
+        row.prop(material.plausible_brdf, "model")
+        row.operator("plausible.new_material", text="", icon="ADD").model = model.id
+        row.menu("PLAUSIBLE_MT_convert", text="", icon="ARROW_LEFTRIGHT")
+        row.menu("PLAUSIBLE_MT_presets", text="", icon="PRESET")
+        draw_weights(layout, context, material, node)
+        if context.scene.render.engine == "CYCLES" and backends.DEFAULT.is_on(context.scene):
+            note = layout.row()
+            note.active = False
+            draw_text(note, context, "Open Shading Language is on for this scene", "INFO")
+
+
+def draw_weights(layout, context, material, node):
+    """What a baked model's weights are for, what is amiss with them, and a bake's progress."""
+    if row_jobs.is_running(material):
+        done, total = row_jobs.progress(material)
+        row = layout.row(align=True)
+        text = "Baking the weights over ranges" if driven.ranges(node) else "Baking the weights for these values"
+        row.progress(factor=done / total, text=look_up(text))
+        row.operator("plausible.cancel_weights", text="", icon="X")
+    elif is_stale(node):
+        box = layout.box()
+        problem = row_jobs.problem(material, node)
+        draw_text(box, context, problem or "The weights are for other values", "ERROR" if problem else "TIME")
+        box.operator("plausible.bake_weights")
+    elif baked_error(node):
+        note = layout.row()
+        note.active = False
+        lobe, albedo = (f"{100.0 * part:.2g}" for part in baked_error(node))
+        names = ", ".join(say(model_of(node).parameter(name).label) for name in driven.ranges(node))
+        text = ("Baked over ranges of {names}: up to 80° lobes are within {lobe} %, their light within {albedo} %"
+                if names else "Baked: up to 80° lobes are within {lobe} %, their light within {albedo} %")
+        draw_text(note, context, say(text, names=names, lobe=lobe, albedo=albedo),
+                  "CHECKMARK" if baked_error(node)[0] <= _COARSE else "ERROR")
+
+
+class _Lobe(Face):
+    bl_label = "Lobe"
+
+    def draw(self, context):
+        layout, material, node, model = self.begin(context)
+        shown = [p for p in model.parameters if p.section == LOBE and _at_this_angle(p, material, model)]
+        by_id = {p.id: p for p in shown}
+        hidden = _unused_width(material, node, by_id)
+        for parameter in shown:
+            if parameter.id != hidden and parameter.id != "use_roughness":
+                draw_parameter(layout, material, node, parameter)
+            # The switch stands under what it switches.
+            if parameter.id == "roughness" and "use_roughness" in by_id:
+                row = layout.row(align=True)
+                draw_parameter(row, material, node, by_id["use_roughness"])
+                row.operator("plausible.switch_width", text="", icon="ARROW_LEFTRIGHT")
+        if "pumps" in by_id:
+            before = pumping.shows_before(node)
+            layout.operator("plausible.compare_pumping", text="Show after Pumping" if before else "Show before Pumping",
+                            icon="HIDE_OFF" if before else "HIDE_ON", depress=before)
+        draw_hint(layout, context, node, model)
+
+
+def draw_hint(layout, context, node, model):
+    """A word where lumps are shrunk to stay on the disk."""
+    if isinstance(model, DiskModel) and model.is_held(model.resolve(values(node))):
+        note = layout.column()
+        note.active = False
+        draw_text(note, context, "Seen at a slant the lump is shrunk to a radius of 1 - sin θ, its shape kept, so that "
+                                 "it stays on the disk and no light is lost", "INFO")
+
+
+def _at_this_angle(parameter, material, model):
+    """Whether the model reads a parameter: exponents at grazing only where they vary, which a link may decide."""
+    if parameter.id not in _AT_GRAZING:
+        return True
+    node = plausible_node(material)[0]
+    return is_linked(node, model.parameter("vary_exponents")) or material.plausible_brdf.vary_exponents
+
+
+def _has(context, section):
+    """Whether the model shown has parameters of a section."""
+    return any(p.section == section for p in plausible_node(material_of(context))[1].parameters)
+
+
+class _Retro(Face):
+    bl_label = "Retroreflection"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and _has(context, RETROREFLECTION)
+
+    def draw(self, context):
+        layout, material, node, model = self.begin(context)
+        for parameter in model.parameters:
+            if parameter.section == RETROREFLECTION and _at_this_angle(parameter, material, model):
+                draw_parameter(layout, material, node, parameter)
+
+
+def _unused_width(material, node, by_id):
+    """The one of exponent and roughness that the lobe does not read; None when a link may decide either way."""
+    if "use_roughness" not in by_id or is_linked(node, by_id["use_roughness"]):
+        return None
+    return "exponent" if material.plausible_brdf.use_roughness else "roughness"
+
+
+class _Color(Face):
+    bl_label = "Color"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and _has(context, COLOR)
+
+    def draw(self, context):
+        layout, material, node, model = self.begin(context)
+        by_id = {p.id: p for p in model.parameters if p.section == COLOR}
+        if "fresnel_type" in by_id:
+            draw_parameter(layout, material, node, by_id["fresnel_type"])
+        for name, parameter in by_id.items():
+            if name != "fresnel_type" and _is_read(name, by_id, material, node):
+                draw_parameter(layout, material, node, parameter)
+        if _METAL_IDS & set(by_id):
+            split = layout.split(factor=0.4)
+            split.label()
+            split.menu("PLAUSIBLE_MT_metals", text="Set Metal")
+
+
+def _is_read(name, by_id, material, node):
+    """Whether the choice of Fresnel reads the parameter `name`; a linked choice may read any."""
+    if name not in _ONLY_WITH or "fresnel_type" not in by_id or is_linked(node, by_id["fresnel_type"]):
+        return True
+    return material.plausible_brdf.fresnel_type in _ONLY_WITH[name]
+
+
+class _Sampling(Face):
+    bl_label = "Sampling"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, material, node, model = self.begin(context)
+        for parameter in model.parameters:
+            if not parameter.evaluated:
+                draw_parameter(layout, material, node, parameter)
+
+
+class _Tables(Face):
+    bl_label = "Albedo Tables"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and bool(plausible_node(material_of(context))[1].tables)
+
+    def draw(self, context):
+        layout, model = self.layout, plausible_node(material_of(context))[1]
+        draw_tables(layout, context, model.tables)
+        draw_bake(layout, {model.id})
+        layout.operator("plausible.update_materials", icon="FILE_REFRESH")
+        job = table_job.job
+        if job is not None and not job.running and job.error is None and not job.cancelled:
+            draw_text(layout, context, "Materials keep the tables compiled into them until they are updated", "INFO")
+
+
+def draw_tables(layout, context, names):
+    """What the tables in use are: their columns and rows, exponents and measured errors."""
+    if table_folder.folder_problem:
+        draw_text(layout, context, table_folder.folder_problem, "ERROR")
+    for name in names:
+        if table_folder.problem([name]) is None:
+            text, inexact = table_bake.described(name)
+            draw_text(layout, context, text, "ERROR" if inexact else "CHECKMARK")
+    if table_folder.own_tables():
+        layout.operator("plausible.shipped_luts", icon="LOOP_BACK")
+
+
+class _InMaterialTab:
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "material"
+    COMPAT_ENGINES = {"CYCLES"}
+
+    @classmethod
+    def is_here(cls, context):
+        # A Plausible material shows its panel, and what is amiss, under every engine.
+        return context.engine in cls.COMPAT_ENGINES or plausible_node(material_of(context))[1] is not None
+
+
+class _InShaderEditor:
+    bl_space_type = "NODE_EDITOR"
+    bl_region_type = "UI"
+    bl_category = "Plausible"
+
+    @classmethod
+    def is_here(cls, context):
+        space = context.space_data
+        return (space.tree_type == "ShaderNodeTree" and space.shader_type == "OBJECT"
+                and isinstance(space.id, (bpy.types.Material, type(None))))  # a light's nodes count as an object's too
+
+
+def in_both_places(faces):
+    """Panels of each face in both places; a parent stands before those that lie in it."""
+    panels = []
+    for place, prefix in ((_InMaterialTab, "PLAUSIBLE_PT"), (_InShaderEditor, "PLAUSIBLE_PT_node")):
+        for face in faces:
+            name = f"{prefix}_{face.__name__.strip('_').lower()}"
+            parent = {} if face is _Main else {"bl_parent_id": f"{prefix}_main"}
+            panels.append(type(name, (face, place, bpy.types.Panel), {"bl_idname": name, **parent}))
+    return tuple(panels)
+
+
+CLASSES = in_both_places((_Main, _Lobe, _Retro, _Color, _Sampling, _Tables))
