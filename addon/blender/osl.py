@@ -61,8 +61,8 @@ def check_model(model):
 
 def compile_blank(model) -> str:
     """Bytecode of a baked model's shader that is for no values, and so striped. Raises OslError when it is wrong."""
-    text = source.assemble(model, baked=ranges.Sets((), (weights.blank(model, {}),)))
-    return _compiled_once(model, text.replace("#define MODEL_MATCHES ", "#define MODEL_MATCHES 0 && "))
+    blank = ranges.Sets((), (weights.blank(model, {}),))
+    return _compiled_once(model, source.assemble(model, baked=blank, defines={"MODEL_MATCHES": "0"}))
 
 
 def _compiled_once(model, text):
