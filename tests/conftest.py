@@ -69,7 +69,7 @@ def pytest_collection_modifyitems(items):
     seen = set()
     for item in items:
         if item.get_closest_marker("versions_by_shader"):
-            first = (item.nodeid.partition("[")[0], source.shader_path(MODELS[item.callspec.params["model"]]))
+            first = (item.nodeid.partition("[")[0], source.program_of(MODELS[item.callspec.params["model"]]))
             if first not in seen:
                 item.add_marker("versions")
             seen.add(first)

@@ -7,15 +7,19 @@ from pathlib import Path
 import numpy as np
 from pairs import toward
 
+from addon.shading import constants, definitions
 from addon.verify import room, standards
 
 INCLUDE = Path(__file__).resolve().parents[1] / "osl" / "include"
 BROAD = 2e4  # metres: the side of the room's plane
 
 
-def headers(*names):
-    """The text of headers that include no other."""
-    return "".join((INCLUDE / name).read_text(encoding="utf-8") for name in names)
+def headers(*names, **hooks):
+    """The text of headers that include no other, with the macros that they expect; `hooks` by the macro's name."""
+    macros = {name: hooks.pop(name.partition("(")[0], value) for name, value in definitions.HOOKS.items()}
+    assert not hooks, f"no hooks {hooks}"
+    own = "".join((INCLUDE / name).read_text(encoding="utf-8") for name in names)
+    return constants.header() + definitions.text(macros) + own
 
 
 def material(text, colour, before="", rest=""):

@@ -400,7 +400,7 @@ def installed(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.parametrize("lost", ["osl/pumped_phong.osl", "osl/include/table.h", "osl/include/power.h",
+@pytest.mark.parametrize("lost", ["osl/lobe.osl", "osl/include/table.h", "osl/include/power.h",
                                   "luts/base_lobes.json"])
 @pytest.mark.parametrize("how", ["gone", "cut"])
 def test_a_lost_file_of_the_extension_is_named(lost, how, bpy, installed):

@@ -250,27 +250,26 @@ def test_far_away_samples_repeat_as_single_precision_does(away, pixels, side):
 # Planted errors.
 
 PLANTED = {
-    "both numbers the same": ("hashnoise(hit, 11.5 + apart)", "hashnoise(hit, apart)", "numbers 0 and 1"),
-    "the third is the second": ("hashnoise(hit, 23.5 +", "hashnoise(hit, 11.5 +", "numbers 1 and 2"),
-    "a little lower": ("vector(hashnoise(hit, apart)", "vector(pow(hashnoise(hit, apart), 1.01)", "number 0, KS"),
-    "never the lowest": ("vector(hashnoise(hit, apart)", "vector(0.002 + 0.998 * hashnoise(hit, apart)",
-                         "number 0, cells"),
-    "two pixels share one": ("hashnoise(hit, apart)", "hashnoise(floor(500.0 * hit), 0.0)", "number 0, and 0"),
+    "both numbers the same": ({"SECOND_HASH": "0.0"}, "numbers 0 and 1"),
+    "the third is the second": ({"THIRD_HASH": "SECOND_HASH"}, "numbers 1 and 2"),
+    "a little lower": ({"FIRST_NUMBER": "pow(hashnoise(place, apart), 1.01)"}, "number 0, KS"),
+    "never the lowest": ({"FIRST_NUMBER": "0.002 + 0.998 * hashnoise(place, apart)"}, "number 0, cells"),
+    "two pixels share one": ({"FIRST_NUMBER": "hashnoise(floor(500.0 * place), 0.0)"}, "number 0, and 0"),
 }
 
 
 @pytest.mark.proof
 @pytest.mark.parametrize("error", PLANTED)
 def test_a_planted_error_is_found(error):
-    right, wrong, where = PLANTED[error]
-    assert right in TEXT
-    found = suspicious(p_values(shown(emission.material(TEXT.replace(right, wrong), NUMBERS), SIZE)))
+    hooks, where = PLANTED[error]
+    wrong = headers("geometry.h", "random.h", **hooks)
+    found = suspicious(p_values(shown(emission.material(wrong, NUMBERS), SIZE)))
     assert any(name.startswith(where) for name in found), found
 
 
 def test_samples_that_repeat_are_found():
     """A hash of the pixel and not of the sample."""
-    wrong = TEXT.replace("hashnoise(hit, apart)", "hashnoise(floor(250.0 * hit), 0.0)")
+    wrong = headers("geometry.h", "random.h", FIRST_NUMBER="hashnoise(floor(250.0 * place), 0.0)")
     z = spread_of_means(shown(emission.material(wrong, NUMBERS), 250, 16), 16)
     assert z[0] > 100.0 and np.abs(z[1]) < 5.0
 

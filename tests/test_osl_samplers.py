@@ -1,11 +1,10 @@
 """The directions that the shaders draw splats at, as Cycles draws them, against the density that they divide by.
 
-Shaders are changed by one line: where they would put a splat they emit its direction, or its density, and nothing
+Shaders are changed by a hook: where they would put a splat they emit its direction, or its density, and nothing
 else. A million pixels are a million draws, of which chi-square tells whether they have the density; the densities are
 NumPy's, and the shaders' own are held against these number by number.
 """
 import json
-import re
 
 import emission
 import numpy as np
@@ -17,7 +16,7 @@ from addon.baking import bells, weights
 from addon.brdf import disk, tables
 from addon.brdf.geometry import dot, half, mirror, normalize
 from addon.brdf.lobes import BLINN, PHONG
-from addon.shading import source
+from addon.shading import definitions
 from addon.verify import chi_square
 
 pytestmark = pytest.mark.blender
@@ -28,50 +27,32 @@ SMALL, COARSE = 300, (60, 30)
 MANY = {"samples": 8}
 EDGE = 1e-6  # single precision tells directions to a tenth of this
 
-# What is put into a shader instead of a splat, and after which line. Which of the hit's draws is shown is chosen by a
-# number of its own: together they have the density, each alone a part of it.
-PICK = "(k == min((int)(count * hit_apart(P, 77.7, 0.5)), count - 1))"
-LOBE = (r"(float density = lobe_density\(view, light, n\);)", "light", "vector(density, chance, count)", "owed = 0.0; ")
-DISK = (r"(disk_spot\(d, lump_point\(p, at\[0\], at\[1\]\), s\)\) \{)", "s.light",
-        "vector(density / chance, chance, count + 100 * steep)", "")
-CELL = (r"(if \(height > 0\.0\) \{)(?=\s+color weight = share)", "light", "vector(1.0)", "")
+# What is put into a shader instead of a splat. Which of the hit's draws is shown is chosen by a number of its own:
+# together they have the density, each alone a part of it.
+HOOK = "AT_SPLAT(light, beside, count)"
+SHOWN = "if (k == min((int)((count) * hit_apart(P, 77.7, 0.5)), (count) - 1)) return color({what}) * emission();"
 
 
-def shown(monkeypatch, model, given, place, view, size, plant=None):
+def shown(monkeypatch, model, given, view, size, planted=None):
     """(directions (N, 3), NaN where nothing was drawn; what goes with them (N, 3)) of the shader of a model.
 
-    `place` is one of LOBE, DISK, CELL; `view` (angle, azimuth) in degrees; `plant` a pattern and its replacement.
+    `view` (angle, azimuth) in degrees; `planted` a hook and what is in its place.
     """
     from addon.blender.host import cache
 
-    pattern, light, beside, before = place
-    right, pictures = source.assemble, []
-    for what in (f"0.5 + 0.5 * {light}", beside):
-        def assemble(*arguments, what=what):
-            text = right(*arguments)
-            if place is CELL:  # the function that makes a splat does not know which it is
-                text = _sub(r"for \(int k = 0; k < count; k \+= 1\)(?=\s+sum = weights_splat)",
-                            rf"for (int k = 0; k < count; k += 1) if {PICK}", text)
-                text = _sub(r"weights_base\(f, w, row\) \+ sum", "sum", text)
-            pick = "" if place is CELL else f"if {PICK}"
-            text = _sub(pattern, rf"\1 {pick} {{ {before}return color({what}) * emission(); }}", text)
-            return _sub(*plant, text) if plant else text
-
-        monkeypatch.setattr(source, "assemble", assemble)
-        # What is compiled of a baked model is kept by its values: neither is it to be found here nor left behind.
-        monkeypatch.setattr(cache, "_memory", {})
-        material = create_material(model, **given)
-        pictures.append(emission.shown(material, size, side=40.0, view_deg=view[0], azimuth_deg=view[1]).reshape(-1, 3))
-    monkeypatch.setattr(source, "assemble", right)
-    lights, beside = pictures
+    pictures = []
+    for what in ("0.5 + 0.5 * (light)", "beside"):
+        with monkeypatch.context() as changed:
+            changed.setitem(definitions.HOOKS, HOOK, SHOWN.format(what=what))
+            if planted:
+                changed.setitem(definitions.HOOKS, *planted)
+            # What is compiled of a baked model is kept by its values: neither is it to be found here nor left behind.
+            changed.setattr(cache, "_memory", {})
+            material = create_material(model, **given)
+            pictures.append(emission.shown(material, size, side=40.0, view_deg=view[0], azimuth_deg=view[1]))
+    lights, beside = (picture.reshape(-1, 3) for picture in pictures)
     drawn = (lights > 0.0).any(axis=1)
     return np.where(drawn[:, None], normalize(2.0 * lights - 1.0), np.nan), beside
-
-
-def _sub(pattern, replacement, text):
-    text, count = re.subn(pattern, replacement, text, flags=re.DOTALL)
-    assert count == 1, f"the shader has changed: {pattern} is in it {count} times"
-    return text
 
 
 def sidak():
@@ -134,7 +115,7 @@ def drawn_lobe(model, given, view_deg):
 @pytest.mark.parametrize("model, given, view_deg, everyday", marked(LOBES, 2), ids=name_of)
 def test_lobes(monkeypatch, model, given, view_deg, everyday):
     size, cells = size_of(everyday)
-    lights, beside = shown(monkeypatch, model, {**given, **MANY}, LOBE, (view_deg, 0.0), size)
+    lights, beside = shown(monkeypatch, model, {**given, **MANY}, (view_deg, 0.0), size)
     drawn = np.isfinite(lights[:, 0])
     density, chance, count = beside[drawn].T
     pdf = drawn_lobe(model, given, view_deg)
@@ -220,11 +201,11 @@ def drawn_lump(projection, lump, view, steep):
 @pytest.mark.parametrize("model, given, view, everyday", marked(LUMPS, 2), ids=name_of)
 def test_lumps(monkeypatch, model, given, view, everyday):
     size, cells = size_of(everyday)
-    lights, beside = shown(monkeypatch, model, {**given, **MANY}, DISK, view, size)
+    lights, beside = shown(monkeypatch, model, {**given, **MANY}, view, size)
     drawn = np.isfinite(lights[:, 0])
     density, chance, count = beside[drawn].T
     assert np.ptp(chance) == 0.0 and 0.05 - 1e-6 <= chance[0] <= 1.0
-    steep = count[0] >= 100.0
+    steep = count[0] < 0.0
     seen = toward(*view) if brdf.MODELS[model].axes else toward(view[0])
     projection, lump = lump_of(model, given, seen)
     pdf = drawn_lump(projection, lump, seen, steep)
@@ -297,7 +278,7 @@ def _cells_of(baked, row, view):
 def test_cells(monkeypatch, model, given, view, everyday):
     # A density that jumps from cell to cell takes long to integrate: chi-square's are larger.
     size, cells = (SMALL if everyday else SIZE), COARSE
-    lights, _ = shown(monkeypatch, model, {**given, **MANY}, CELL, view, size)
+    lights, _ = shown(monkeypatch, model, {**given, **MANY}, view, size)
     seen = toward(*view) if brdf.MODELS[model].stretched else toward(view[0])
     baked = weights.weights(brdf.MODELS[model], given)
     assert held(lights, drawn_cells(baked, seen), cells) > sidak()
@@ -306,26 +287,25 @@ def test_cells(monkeypatch, model, given, view, everyday):
 # Planted errors.
 
 PLANTED = {
-    "a lobe of another width": (*LOBES[0], LOBE, (r"rest_of_root\(u, n \+ 1\.0\)", "rest_of_root(u, 1.1 * n + 1.0)")),
-    "a lobe turned": (*LOBES[1], LOBE, (r"rest_of_root\(u, n \+ 1\.0\), M_2PI \* v\)",
-                                        "rest_of_root(u, n + 1.0), M_2PI * v * v)")),
-    "a wider lump": (*LUMPS[0], DISK, (r"(r2 = )(?=DRAWN_RADIUS)", r"\1 1.06 * ")),
-    "cells not even in area": (*BAKED[0], CELL, (r"sqrt\(mix\(low \* low, high \* high, ring - i\)\)",
-                                                 "mix(low, high, (ring - i) * (ring - i))")),
+    "a lobe of another width": (*LOBES[0], ("SPOILT_U(u)", "pow(u, 0.91)")),
+    "a lobe turned": (*LOBES[1], ("SPOILT_V(v)", "(v) * (v)")),
+    "a wider lump": (*LUMPS[0], ("SPOILT_U(u)", "pow(u, 1.06)")),
+    "cells not even in area": (*BAKED[0], ("SPOILT_U(u)",
+                                           "(floor(20.0 * (u)) + pow(mod(20.0 * (u), 1.0), 2.0)) / 20.0")),
 }
 
 
 @pytest.mark.proof
 @pytest.mark.parametrize("error", PLANTED)
 def test_a_planted_error_is_found(monkeypatch, error):
-    model, given, view, place, plant = PLANTED[error]
+    model, given, view, planted = PLANTED[error]
     view = view if isinstance(view, tuple) else (view, 0.0)
-    lights, beside = shown(monkeypatch, model, {**given, **MANY}, place, view, 500, plant)
+    lights, beside = shown(monkeypatch, model, {**given, **MANY}, view, 500, planted)
     seen = toward(*view) if getattr(brdf.MODELS[model], "stretched", None) else toward(view[0])
     chance = beside[np.isfinite(lights[:, 0])][0, 1]
-    if place is CELL:
+    if brdf.MODELS[model].baked:
         pdf, chance = drawn_cells(weights.weights(brdf.MODELS[model], given), seen), 1.0
-    elif place is LOBE:
+    elif brdf.MODELS[model].base_family:
         pdf = drawn_lobe(model, given, view[0])
     else:
         pdf = drawn_lump(*lump_of(model, given, seen), seen, False)

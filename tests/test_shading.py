@@ -15,27 +15,31 @@ WRITTEN = {name: model for name, model in MODELS.items() if not model.baked}  # 
 ON_BASE_LOBES = {name: model for name, model in WRITTEN.items() if model.base_family}
 ON_BELLS = {name: model for name, model in WRITTEN.items() if name not in ON_BASE_LOBES}
 
-SIGNATURE = re.compile(r"^shader (\w+)\((.*?)\)\n\{", re.MULTILINE | re.DOTALL)
-INPUT = re.compile(r"(float|int|color|normal) (\w+) = (color\([^)]*\)|[-\d.]+) \[\[(.*?)\]\]$", re.DOTALL)
-HINT = re.compile(r'(string|float|int) (\w+) = ("[^"]*"|[-\d.]+)')
+SIGNATURE = """shader MODEL(
+    MODEL_PARAMETERS,
+    DATA_PARAMETERS,
+    output closure color BSDF = 0)
+{
+"""
+INPUT = re.compile(r'(float|int|color|normal|string) (\w+) = ((?:color|normal)\([^)]*\)|[-\d.e]+|"[^"]*")')
 TYPES = {"float": "float", "int": "int", "bool": "int", "enum": "int", "color": "color", "vector": "normal",
          "image": "string"}
 
 
-def signature(model):
-    """(shader name, [(type, name, default, hints)], what follows the inputs), parsed from a model's own file."""
-    text = source.shader_path(model).read_text(encoding="utf-8")
-    (name, inside), = SIGNATURE.findall(text)
-    parts = [part.strip() for part in re.split(r",\n", inside)]
-    inputs, rest = [], []
-    for part in parts:
-        found = INPUT.fullmatch(part)
-        if not found or rest:
-            rest.append(part)
-            continue
-        kind, identifier, default, hints = found.groups()
-        inputs.append((kind, identifier, default, {key: value.strip('"') for _, key, value in HINT.findall(hints)}))
-    return name, inputs, rest
+def macro(text, name):
+    """What an assembled text defines a macro as."""
+    (value,) = re.findall(rf"^#define {re.escape(name)} (.*)$", text, re.MULTILINE)
+    return value
+
+
+def assert_declared(model, text):
+    """The signature of an assembled text has what the registry declares, of the declared types."""
+    found = INPUT.findall(macro(text, "MODEL_PARAMETERS"))
+    assert macro(text, "MODEL") == model.id and text.count(SIGNATURE) == 1
+    assert [(kind, name) for kind, name, _ in found] == [(TYPES[p.kind], p.id) for p in model.parameters]
+    for (kind, name, default), parameter in zip(found, model.parameters, strict=True):
+        assert (json.loads(default) if kind == "string" else numbers(kind, default)) == parameter.default, name
+        assert ("(" in default) == (kind in ("color", "normal")), f"{name}: Cycles sets no input of another type"
 
 
 def numbers(kind, text):
@@ -48,40 +52,57 @@ def numbers(kind, text):
 
 @pytest.mark.parametrize("model", WRITTEN.values(), ids=list(WRITTEN))
 def test_signature_is_the_declaration(model):
-    name, inputs, rest = signature(model)
-    assert name == model.id
-    assert [identifier for _, identifier, _, _ in inputs] == [parameter.id for parameter in model.parameters]
-    assert rest == ["DATA_PARAMETERS", "output closure color BSDF = 0"]
-    for (kind, _, default, hints), parameter in zip(inputs, model.parameters, strict=True):
-        assert kind == TYPES[parameter.kind], parameter.id
-        assert numbers(kind, default) == parameter.default, parameter.id
-        assert hints["label"] == parameter.label, parameter.id
-        assert ("widget" in hints) == (parameter.kind == "bool"), parameter.id
-        if parameter.kind in ("float", "int", "enum"):
-            assert float(hints["min"]) == parameter.minimum and float(hints["max"]) == parameter.maximum, parameter.id
-        else:
-            assert "min" not in hints and "max" not in hints, parameter.id
+    """And what an input is held to is the declared range."""
+    text = source.assemble(model, source.FILE)
+    assert_declared(model, text)
+    for parameter in model.parameters:
+        if parameter.kind in ("float", "int", "enum", "color"):
+            ends = macro(text, f"LEAST_{parameter.id}"), macro(text, f"MOST_{parameter.id}")
+            assert tuple(map(float, ends)) == (parameter.minimum, parameter.maximum), parameter.id
+            assert ("." in ends[0]) == (parameter.kind in ("float", "color")), parameter.id
+        if parameter.kind == "float":
+            assert float(macro(text, f"DEFAULT_{parameter.id}")) == parameter.default
+
+
+def test_models_that_differ_in_a_header_are_one_file():
+    files = {}
+    for model in MODELS.values():
+        files.setdefault(source.shader_path(model).name, set()).add(model.id)
+    assert files["lobe.osl"] == {"phong", "blinn", "phong_limit", "pumped_phong", "pumped_blinn"}
+    assert files["lump.osl"] == {"disk_scaling", "disk_orthogonal"} and files["weights.osl"] == set(BAKED)
+    assert len({source.program_of(model) for model in WRITTEN.values()}) == len(WRITTEN)
 
 
 @pytest.mark.parametrize("model", WRITTEN.values(), ids=list(WRITTEN))
 @pytest.mark.parametrize("lut", [source.COMPILED, source.FILE])
 def test_assembled_source_stands_alone(model, lut):
     text = source.assemble(model, lut)
-    assert "#include" not in text and len(SIGNATURE.findall(text)) == 1
+    assert "#include" not in text and text.count(SIGNATURE) == 1
     # Every header once, the model's own among them: a header is known by its first line.
-    own = re.findall(r'#include "(.+)"', source.shader_path(model).read_text(encoding="utf-8"))
-    headers = sorted((source.shader_path(model).parent / "include").glob("*.h"))
+    chosen, folder = source.chosen_headers(model), source.shader_path(model).parent
+    own = [chosen.get(name.strip('"'), name.strip('"'))
+           for name in re.findall(r"#include (.+)", source.shader_path(model).read_text(encoding="utf-8"))]
+    headers = sorted((folder / "include").glob("*.h"))
     for name in own:  # grows by what its headers include themselves
-        inside = (source.shader_path(model).parent / name).read_text(encoding="utf-8")
+        inside = (folder / name).read_text(encoding="utf-8")
         own += [f"include/{other}" for other in re.findall(r'#include "(.+)"', inside)
                 if f"include/{other}" not in own]
     for header in headers:
         times = text.count(header.read_text(encoding="utf-8").split("\n")[0] + "\n")
         assert times == 1 if f"include/{header.name}" in own else times <= 1, header.name
-    assert 7 < len(own) < len(headers)
+    assert 7 < len(own) < len(headers) and set(chosen.values()) <= set(own)
     assert text.count("#define DATA_PARAMETERS") == 1
-    assert ("#define TABLE_FILE" in text) == (lut == source.FILE and bool(model.tables))
+    assert ("#define TABLE_FILE\n" in text) == (lut == source.FILE and bool(model.tables))
     assert source.assemble(model, lut) == text
+
+
+def test_a_macro_can_be_put_in_place_of_another():
+    model = MODELS["phong"]
+    text = source.assemble(model, defines={"SPLATS": "0", "MOST_samples": "3"})
+    assert macro(text, "SPLATS") == "0" and macro(text, "MOST_samples") == "3"
+    assert macro(source.assemble(model), "SPLATS") == "1"
+    with pytest.raises(ValueError, match="W_VIEWS.*phong.*SPLATS"):
+        source.assemble(model, defines={"W_VIEWS": "3"})
 
 
 def array(text, name):
@@ -100,8 +121,7 @@ def test_compiled_source_holds_the_tables(model):
     used = {source.mode_of(tables.TABLES[name]): tables.TABLES[name] for name in model.tables}
     for mode in ("plain", "controlled", "volume"):
         if mode not in used:
-            assert f"AXES_{mode.upper()} Axes" not in text
-            assert mode == "volume" or not array(text, f"table_{mode}").any()
+            assert f"AXES_{mode.upper()} Axes" not in text and f"float table_{mode}[" not in text
             continue
         table, values = used[mode], array(text, f"table_{mode}")
         # Six digits: 5e-6.
@@ -166,11 +186,12 @@ def test_bells_are_put_in(model):
     few, steep = stored["table"], stored["steep"]
     text = source.assemble(model, source.FILE)
     np.testing.assert_allclose(array(text, "bells"), [*np.ravel(few), *np.ravel(steep)], rtol=1e-5)
-    assert f"#define BELLS_PER_UNIT {len(few) - 1}\n" in text and np.shape(few)[1] == 8
-    assert f"#define STEEP_FROM {len(few) - len(steep)}\n" in text and np.shape(steep)[1] == 20
+    assert f"#define BELLS_PER_UNIT {len(few) - 1} " in text and np.shape(few)[1] == 8
+    assert f"#define STEEP_FROM {len(few) - len(steep)} " in text and np.shape(steep)[1] == 20
     # Cycles takes a sum of closures apart with a stack of 16: each is put before the sum, and so waits for none.
-    estimator = text.split("closure color estimate_lump(")[1].split("\n}\n")[0]
-    assert "sum +=" not in estimator and estimator.count("+ sum;") == 2
+    for function in ("splats", "estimate_lump"):
+        estimator = text.split(f"closure color {function}(")[1].split("\n}\n")[0]
+        assert "sum +=" not in estimator and estimator.count("+ sum;") == 1
     # 64 places: the middle bell and two rings, and the splats, of two lumps at most, and a diffuse part.
     splats = next(p.maximum for p in model.parameters if p.id == "samples")
     assert 2 * (13 + splats) + 1 <= 48
@@ -184,13 +205,8 @@ def test_baked_models_are_written_from_their_declaration(model, monkeypatch):
     few = weights.Weights(tiny, rows, np.array([[7.0, 8.0, 9.0]]), 1, np.zeros(2))
     monkeypatch.setattr(weights, "weights", lambda of, given: few)
     text = source.assemble(model)
-    assert f"#define MODEL {model.id}\n" in text and "#include" not in text
-    inputs = re.search(r"#define MODEL_PARAMETERS (.*)\n", text)[1]
-    found = re.findall(r'(float|int|color|normal|string) (\w+) = ((?:color|normal)\([^)]*\)|[-\d.e]+|"[^"]*")', inputs)
-    assert [(kind, name) for kind, name, _ in found] == [(TYPES[p.kind], p.id) for p in model.parameters]
-    for (kind, name, default), parameter in zip(found, model.parameters, strict=True):
-        assert (json.loads(default) if kind == "string" else numbers(kind, default)) == parameter.default, name
-        assert ("(" in default) == (kind in ("color", "normal")), f"{name}: Cycles sets no input of another type"
+    assert "#include" not in text
+    assert_declared(model, text)
     conditions = re.search(r"#define MODEL_MATCHES (.*)\n", text)[1]
     asked = set(re.findall(r"\b[a-z]\w*\b", conditions)) - {"abs", "e"}
     assert asked == {p.id for p in model.parameters if p.evaluated}

@@ -57,13 +57,13 @@ def test_a_version_that_there_is_not_is_refused(command):
 
 
 def shaders_of(*tests):
-    """Names of the shaders that parametrised tests render first cases of in each version."""
+    """The shaders, see `source.program_of`, that parametrised tests render first cases of in each version."""
     found = set()
     for test in tests:
         marks = {mark.name: mark for mark in test.pytestmark}
         assert "versions_by_shader" in marks
         assert marks["parametrize"].args[0].split(",")[0] == "model"
-        found |= {source.shader_path(MODELS[case[0]]).name for case in marks["parametrize"].args[1]}
+        found |= {source.program_of(MODELS[case[0]]) for case in marks["parametrize"].args[1]}
     return found
 
 
@@ -74,7 +74,8 @@ def test_every_shader_is_rendered_in_each_version():
     import test_render_disk
     import test_render_weights
 
-    shaders = {path.name for path in (ROOT / "osl").glob("*.osl")}
+    shaders = {source.program_of(model) for model in MODELS.values()}
+    assert {name for name, *_ in shaders} == {path.name for path in (ROOT / "osl").glob("*.osl")}
     files = (test_render, test_render_disk, test_render_weights)
     assert shaders_of(*(file.test_furnace for file in files)) == shaders
     assert shaders_of(*(file.test_sphere_under_a_sun for file in files)) == shaders

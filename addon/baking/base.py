@@ -19,6 +19,22 @@ import numpy as np
 
 from ..brdf import MODELS, tables
 from ..brdf.lobes import BLINN, PHONG
+from ..brdf.microfacet import beckmann_lambda
+from .closures import (
+    CREASE_COSINE,
+    CREASE_LEAN,
+    GRAZING_WIDTH,
+    HOLE_EDGE,
+    LEAN_DOWN,
+    LEAN_MARGIN,
+    LEAN_UP,
+    LEANEST,
+    LEVELS,
+    PHONG_PER_HALF,
+    SHARPEST,
+    SLOTS,
+    VIEW_SLOPE_SHARE,
+)
 from .files import replace_text
 from .workers import mapped
 
@@ -28,16 +44,12 @@ DRAWN = 0.6  # exponent of the lobe that splats are drawn from, in parts of n: w
 FAINTEST = 1e-3  # of that lobe's peak, added to it: far out on the lobe nothing is ever drawn
 GRAZING = 0.3  # of the lobe's scale: how far the mean of N·L over a lobe at grazing lies above N·V
 HOLE = 0.4  # radius of the widest holes, which are splats that take away, in parts of the lobe's width
-HOLE_EDGE = 1.3  # where a hole ends, in parts of its radius: above the horizon
 ABOVE, BELOW = 30.0, 1e4  # what more it counts to be above the target by more than holes take away, and below zero
 ROUNDS = 8
 HORIZON = 48  # lights on the horizon
 FEATURES = (0.0, 0.8, 2.5)  # widths from the mirror direction towards the normal where the gain is read
 HIGHEST = 1e5  # exponent at v = 0
-LEVELS = 8  # colours of a phong_ramp
 STEEPEST = np.radians(89.9)  # view
-LEANEST = 0.02  # lean of a facet times the lobe's width: before Blender 5, Cycles lights them from below the horizon
-SHARPEST = 5e5  # exponent of a crease's phong_ramp: single precision knows no more
 
 # (pumps, control): whose gains the coefficients are made for; None is the limit, whose gain is 1.
 GAINS = (None, (0.0, False), (0.5, True), (2.0, False), (4.0, False))
@@ -99,12 +111,12 @@ class Family:
 
     def phong_exponent(self, n):
         """Exponent m of the Phong lobe that is as wide."""
-        return n if self.lobe is PHONG else 0.25 * n
+        return n if self.lobe is PHONG else PHONG_PER_HALF * n
 
     def width(self, mu_view, n):
         """Width of the lobe where it is narrowest, in radians: a half-vector lobe's shrinks with N·V, across."""
         s = 1.0 / np.sqrt(self.phong_exponent(n))
-        return s if self.lobe is PHONG else s * min(mu_view + 0.15 * s, 1.0)
+        return s if self.lobe is PHONG else s * min(mu_view + GRAZING_WIDTH * s, 1.0)
 
     @property
     def columns(self):
@@ -128,9 +140,10 @@ def axis_of(ramp: Ramp, theta, m):
     """
     s, height = 1.0 / np.sqrt(m), 0.5 * np.pi - theta
     if not ramp.crease:
-        return np.clip(ramp.lean * s, -0.6 * max(height - 0.03, 0.0), np.pi - height - 0.3), m * ramp.sharp
-    lean = max(min(ramp.lean * s, theta), 0.1 * s)
-    return lean, min(np.log(ramp.crease / (LEVELS - 1)) / np.log(max(np.cos(lean), 0.03)), SHARPEST)
+        lean = np.clip(ramp.lean * s, -LEAN_DOWN * max(height - LEAN_MARGIN, 0.0), np.pi - height - LEAN_UP)
+        return lean, m * ramp.sharp
+    lean = max(min(ramp.lean * s, theta), CREASE_LEAN * s)
+    return lean, min(np.log(ramp.crease / (LEVELS - 1)) / np.log(max(np.cos(lean), CREASE_COSINE)), SHARPEST)
 
 
 def ramp(ramp: Ramp, view, light, m):
@@ -171,9 +184,7 @@ def facet(facet: Facet, view, light, m):
 
 
 def _lambda(alpha2, cosine):
-    tan2 = alpha2 * np.maximum(1.0 / np.square(cosine) - 1.0, 0.0)
-    a = 1.0 / np.sqrt(np.maximum(tan2, 0.39))
-    return np.where(tan2 < 0.39, 0.0, ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a))
+    return beckmann_lambda(alpha2 * np.maximum(1.0 / np.square(cosine) - 1.0, 0.0))
 
 
 def view_of(family: Family, u, v):
@@ -190,7 +201,7 @@ def view_of(family: Family, u, v):
 def view_coordinate(family: Family, theta, n):
     """The coordinate u of `theta`, see `Family`."""
     w = np.tan(theta) / np.sqrt(family.phong_exponent(n))
-    return 0.5 * w / (1.0 + w) + theta / np.pi
+    return VIEW_SLOPE_SHARE * w / (1.0 + w) + theta / np.pi
 
 
 def feature_cosines(family: Family, theta, n):
@@ -381,9 +392,9 @@ def _packed(family, coefficients, left):
     """
     rows = np.zeros((len(FEATURES), 3 * stride(family)))
     ramps, facets = len(family.ramps), len(family.facets)
-    levels = np.zeros((len(FEATURES), ramps, LEVELS + 1))
+    levels = np.zeros((len(FEATURES), ramps, SLOTS))
     levels[:, :, :LEVELS] = coefficients[:, : LEVELS * ramps].reshape(len(FEATURES), ramps, LEVELS)
     levels[:, 0, LEVELS] = left
-    rows[:, : 9 * ramps] = levels.reshape(len(FEATURES), -1)
-    rows[:, 9 * ramps : 9 * ramps + facets] = coefficients[:, LEVELS * ramps :]
+    rows[:, : SLOTS * ramps] = levels.reshape(len(FEATURES), -1)
+    rows[:, SLOTS * ramps : SLOTS * ramps + facets] = coefficients[:, LEVELS * ramps :]
     return rows.ravel()

@@ -16,6 +16,9 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..brdf.microfacet import beckmann_lambda
+from .closures import NARROWEST_FACET
+
 STEEPEST = np.radians(89.5)  # view of the last row
 CROWDED = 1.5  # how much denser rows are towards grazing
 RINGS = 72  # of half vectors where the formula is looked at, over sin(theta_h)
@@ -293,8 +296,7 @@ def sides_value(look, slopes, widths, light):
 
 def _lambda(direction, widths):
     slope2 = sum((direction[..., i] * widths[i]) ** 2 for i in (0, 1)) / np.maximum(direction[..., 2] ** 2, 1e-12)
-    a = 1.0 / np.sqrt(np.maximum(slope2, 1e-30))
-    return np.where(slope2 < 0.39, 0.0, ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a))
+    return beckmann_lambda(slope2)
 
 
 def _candidates(look, density):
@@ -318,7 +320,7 @@ def _candidates(look, density):
         for x, y in PLACES if look.layout.azimuths == 1 else STRETCHED_PLACES:
             if not y or width < WIDEST_PAIR:
                 slopes = (middle[0] + x * spread[0], middle[1] + y * spread[1])
-                found.append((slopes, tuple(np.clip(np.sqrt(2.0) * width * spread, 5e-4, 1.0))))
+                found.append((slopes, tuple(np.clip(np.sqrt(2.0) * width * spread, NARROWEST_FACET, 1.0))))
     return [facet for facet in found if _mirrors(look.view, facet[0])]
 
 

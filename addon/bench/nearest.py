@@ -3,11 +3,6 @@ from ..shading import source
 from ..verify import standards, subject
 from .efficiency import Candidate
 
-# What draws the splats in the shader of each kind, and what leaves them out.
-_SPLATS = (("if (left <= 1e-4 || numbers[1] >= chance)", "if (1)"),
-           ("k < count && numbers[1] < chance", "0"),
-           ("if (left > 1e-5 && numbers[1] < chance)", "if (0)"))
-
 
 def natives(model, values) -> list:
     """Candidates of Cycles' own: the closure in OSL, and a Glossy node in SVM, which is what everyone renders.
@@ -36,14 +31,11 @@ def ours(model, assignments, samples) -> Candidate:
 def base_alone(model, assignments) -> Candidate:
     """The base of a model without splats: less noise, and quicker, than any estimator with this base can be."""
     made = subject.of_model(model.id, assignments)
-    text = source.assemble(model, parameters=made.parameters)
-    found = [(old, new) for old, new in _SPLATS if text.count(old) == 1]
-    if len(found) != 1:
-        raise RuntimeError(f"the shader of {model.id} has no place where splats are drawn")
+    text = source.assemble(model, parameters=made.parameters, defines={"SPLATS": "0"})
     from ..blender.backend import osl
     from ..blender.material import groups
 
     node = groups.find_node(made.material)
     groups.own(node)  # other materials of the model use the same
-    osl.fill(osl.script_of(node), osl.compile_text(model, text.replace(*found[0])))
+    osl.fill(osl.script_of(node), osl.compile_text(model, text))
     return Candidate(f"{model.id}, base alone", made.material)

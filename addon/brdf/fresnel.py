@@ -2,6 +2,7 @@
 import numpy as np
 
 CONSTANT, SCHLICK, CONDUCTOR = 0, 1, 2
+LEAST_IOR = 1e-3  # of a conductor: n = k = 0 would be 0/0 at normal incidence
 
 
 def schlick(cos_theta, f0, f90) -> np.ndarray:
@@ -22,8 +23,7 @@ def conductor(cos_theta, ior, extinction) -> np.ndarray:
     equations" (2013).
     """
     mu = np.clip(np.atleast_1d(cos_theta), 0.0, 1.0)[:, None]
-    # n = k = 0 would be 0/0 at normal incidence; the shaders hold n to the same bound.
-    n, k = np.maximum(np.asarray(ior, dtype=np.float64), 1e-3), np.asarray(extinction, dtype=np.float64)
+    n, k = np.maximum(np.asarray(ior, dtype=np.float64), LEAST_IOR), np.asarray(extinction, dtype=np.float64)
     sin2 = 1.0 - mu * mu
     t0 = n * n - k * k - sin2
     a2b2 = np.sqrt(t0 * t0 + 4.0 * n * n * k * k)

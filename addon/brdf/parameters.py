@@ -8,6 +8,8 @@ import numpy as np
 from . import images
 
 MIN_EXPONENT, MAX_EXPONENT = 1.0, 100000.0
+LEAST_ROUGHNESS = 1e-4  # smaller ones are taken for it
+BECKMANN_POWER = 2.0  # this / alpha² - this is the half-vector power that is as wide as Beckmann's lobe
 # Where parameters are shown, in nodes, panels and pages.
 LOBE, RETROREFLECTION, COLOR, GEOMETRY, SAMPLING = "Lobe", "Retroreflection", "Color", "Geometry", "Sampling"
 
@@ -140,13 +142,13 @@ def exponent_of_roughness(roughness: float) -> float:
 
     Equates the half-vector power cos^n with a Beckmann lobe of width alpha (Walter et al. 2007, section 5.2).
     """
-    alpha = max(float(roughness), 1e-4) ** 2
-    return min(max(2.0 / (alpha * alpha) - 2.0, MIN_EXPONENT), MAX_EXPONENT)
+    alpha = max(float(roughness), LEAST_ROUGHNESS) ** 2
+    return min(max(BECKMANN_POWER / (alpha * alpha) - BECKMANN_POWER, MIN_EXPONENT), MAX_EXPONENT)
 
 
 def roughness_of_exponent(exponent: float) -> float:
     """Roughness r with exponent_of_roughness(r) = exponent, 0..1."""
-    return (2.0 / (float(exponent) + 2.0)) ** 0.25
+    return (BECKMANN_POWER / (float(exponent) + BECKMANN_POWER)) ** 0.25
 
 
 SHAPE = (

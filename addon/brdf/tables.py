@@ -20,6 +20,8 @@ from .axes import ColumnAxis, RowAxis, SineAxis
 from .parameters import MAX_EXPONENT, MIN_EXPONENT
 
 FORMAT = 1
+MARK = -1.0  # the first number of a marker
+CHANNELS = 4  # albedos, or radii, in a pixel
 # Metadata: what may differ from the declared axes, the name of that choice, and the measured error.
 AXES, RESOLUTION, ERROR = "plausible:axes", "plausible:resolution", "plausible:error"
 SLACK = 1e-4  # part of an exponent by which it may be beyond a table's end: albedos change by no more than this there
@@ -111,7 +113,7 @@ class VolumeTable:
     @property
     def height(self) -> int:
         """Rows of the image without markers."""
-        return self.rows.rows * self.layers // 4
+        return self.rows.rows * self.layers // CHANNELS
 
     @property
     def radii(self) -> np.ndarray:
@@ -171,7 +173,7 @@ def forget():
 def marked(table, nodes: np.ndarray) -> np.ndarray:
     """Image (rows + 2, columns, 4) float32 of a table: its nodes between the marker rows."""
     marker = np.empty((1, table.columns.columns, 4), np.float32)
-    marker[...] = (-1.0, table.stamp, 0.0, FORMAT)
+    marker[...] = (MARK, table.stamp, 0.0, FORMAT)
     bottom = marker.copy()
     bottom[..., 2] = 1.0
     return np.concatenate([marker, nodes.astype(np.float32), bottom])
@@ -291,7 +293,7 @@ def volumes(mu_view, exponent, radius) -> np.ndarray:
         chosen = (exponent == n) & (radius == r)
         column = np.minimum(distance[chosen] / r, 1.0)
         layer = min(int((1.0 - np.sqrt(1.0 - r)) * (table.layers - 1)), table.layers - 2)
-        low, high = (axes.read(nodes[k // 4], table.columns, table.rows, column, n + 1.0)[..., k % 4]
+        low, high = (axes.read(nodes[k // CHANNELS], table.columns, table.rows, column, n + 1.0)[..., k % CHANNELS]
                      for k in (layer, layer + 1))
         found[chosen] = low + (r - radii[layer]) / (radii[layer + 1] - radii[layer]) * (high - low)
     return found

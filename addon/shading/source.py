@@ -6,37 +6,67 @@ from pathlib import Path
 
 import numpy as np
 
-from ..baking import bells, ranges, weights
+from ..baking import bells, closures, ranges, weights
 from ..brdf import images, tables
 from ..brdf.axes import SineAxis
+from . import constants, definitions
 
 _OSL = Path(__file__).resolve().parents[2] / "osl"
-_INCLUDE = re.compile(r'^#include "([^"]+)"\n', re.MULTILINE)
+_INCLUDE = re.compile(r'^#include (?:"([^"]+)"|(\w+))\n', re.MULTILINE)
 COMPILED, FILE = "compiled", "file"
 _written = {}  # name of a table -> (its nodes, what is written of them): writing takes long
 
 
 def shader_path(model) -> Path:
-    """The .osl file of a model."""
-    return _OSL / ("weights.osl" if model.baked else f"{model.id}.osl")
+    """The .osl file of a model: of those that differ in what is included or defined alone, it is the same."""
+    if model.baked:
+        name = "weights"
+    elif model.base_family:
+        name = "lobe"
+    else:
+        name = "lump" if len(getattr(model, "lumps", ())) == 1 else model.id
+    return _OSL / f"{name}.osl"
 
 
-def assemble(model, lut: str = COMPILED, parameters: dict | None = None, driven: dict | None = None, baked=None) -> str:
+def chosen_headers(model) -> dict:
+    """{macro: file} of the headers that a shader leaves to the model's declaration."""
+    if not model.base_family:
+        return {}
+    return {"LOBE_HEADER": f"include/lobe_{model.lobe.id}.h",
+            "CORRECTION_HEADER": f"include/correction_{model.correction}.h"}
+
+
+def program_of(model) -> tuple:
+    """What tells the shaders of models apart: the file, the headers and the macros that the declaration chooses."""
+    return shader_path(model).name, *chosen_headers(model).values(), *_disk(model).values()
+
+
+def assemble(model, lut: str = COMPILED, parameters: dict | None = None, driven: dict | None = None, baked=None,
+             defines: dict | None = None) -> str:
     """OSL source of `model`, without includes.
 
     A baked model's weights are those for its `parameters` and for the ranges of those `driven`, see baking/ranges.py;
     or they are `baked`, a `ranges.Sets`.
 
     `lut` is "compiled" (tables are numbers in the text) or "file" (tables are read by texture(); their paths are the
-    string parameters table_plain and table_controlled). Raises ValueError for another `lut`, brdf.TableError when a
-    table cannot be used, OSError when a source file is missing.
+    string parameters table_plain and table_controlled). `defines` are macros to put in place of those that are written
+    otherwise, such as `definitions.HOOKS`.
+
+    Raises ValueError for another `lut` or a macro that is not written, brdf.TableError when a table cannot be used,
+    OSError when a source file is missing.
     """
     if lut not in (COMPILED, FILE):
         raise ValueError(f"lut: {lut!r} is not one of {COMPILED}, {FILE}")
-    text = _flattened(shader_path(model), set())
+    text = _flattened(shader_path(model), chosen_headers(model), set())
     if model.baked:
-        return _weights(model, parameters or {}, baked or ranges.bake(model, parameters or {}, driven)) + text
-    return _definitions(model, lut) + text
+        own = _weights(model, parameters or {}, baked or ranges.bake(model, parameters or {}, driven))
+    else:
+        own = _definitions(model, lut)
+    macros = definitions.HOOKS | _signature(model) | own
+    for name in defines or {}:
+        if name not in macros:
+            raise ValueError(f"no macro {name!r} is written for {model.id}; there are {', '.join(macros)}")
+    return constants.header() + definitions.text(macros | (defines or {})) + text
 
 
 def spans(model) -> dict:
@@ -51,15 +81,15 @@ def mode_of(table) -> str:
     return "controlled" if table.control else "plain"
 
 
-def _flattened(path: Path, seen: set) -> str:
-    """A file with each of its includes put in once, where it is first named."""
+def _flattened(path: Path, chosen: dict, seen: set) -> str:
+    """A file with each of its includes put in once, where it is first named; `chosen` are names of files by macro."""
 
     def inserted(match):
-        included = (path.parent / match[1]).resolve()
+        included = (path.parent / (match[1] or chosen[match[2]])).resolve()
         if included in seen:
             return ""
         seen.add(included)
-        return _flattened(included, seen)
+        return _flattened(included, chosen, seen)
 
     return _INCLUDE.sub(inserted, _read(path))
 
@@ -81,25 +111,47 @@ def _read_json(path: Path):
         raise OSError(f"{path}: damaged ({error}); this file belongs to the extension: install it again") from None
 
 
-def _definitions(model, lut) -> str:
-    """Macros that carry the numbers: DATA_PARAMETERS (array parameters with their values), axes and table names."""
-    lines, parameters = map(list, _base(model.base_family) if model.base_family else _bells())
-    used = [_in_use(name, lut) for name in model.tables]
-    by_mode = {table.control: table for table in used if isinstance(table, tables.Table)}
-    for table in used:
-        if isinstance(table, tables.VolumeTable):
-            parameters.append(_table_parameter(table, "volume", lut))
-            lines += [f"#define VOLUME_LAYERS {table.layers}", "#define TABLE_VOLUME table_volume",
-                      *_axes(table, "VOLUME", lut)]
-    for control, mode in ((False, "plain"), (True, "controlled")):
-        parameters.append(_table_parameter(by_mode.get(control), mode, lut if used else COMPILED))
-        lines.append(f"#define TABLE_{mode.upper()} table_{mode}")
-        if control in by_mode:
-            lines += _axes(by_mode[control], mode.upper(), lut)
+_TYPES = {"float": "float", "int": "int", "bool": "int", "enum": "int", "color": "color", "vector": "normal",
+          "image": "string"}
+
+
+def _signature(model) -> dict:
+    """Macros of the model's name and inputs, and of the ends and default of each input that is a number or a colour."""
+    inputs = [f"{_TYPES[q.kind]} {q.id} = {_literal(_TYPES[q.kind], q.default)}" for q in model.parameters]
+    macros = {"MODEL": model.id, "MODEL_PARAMETERS": ", ".join(inputs)}
+    for q in model.parameters:
+        if q.kind in ("float", "int", "enum", "color"):
+            kind = "float" if q.kind == "color" else _TYPES[q.kind]
+            macros |= {f"LEAST_{q.id}": _literal(kind, q.minimum), f"MOST_{q.id}": _literal(kind, q.maximum)}
+        if q.kind == "float":
+            macros[f"DEFAULT_{q.id}"] = _literal("float", q.default)
+    return macros
+
+
+def _definitions(model, lut) -> dict:
+    """Macros of a model with a shader of its own: what its declaration chooses, and DATA_PARAMETERS, arrays with their
+    values."""
+    macros, parameters = _base(model.base_family) if model.base_family else _bells()
+    macros, parameters = macros | _disk(model), list(parameters)
+    for table in (_in_use(name, lut) for name in model.tables):
+        mode = mode_of(table)
+        parameters.append(_table_parameter(table, mode, lut))
+        macros |= _axes(table, mode.upper(), lut)
+        if mode == "volume":
+            macros["VOLUME_LAYERS"] = table.layers
     if lut == FILE and model.tables:
-        lines.append("#define TABLE_FILE")
-    lines.append("#define DATA_PARAMETERS " + ", ".join(parameters))
-    return "\n".join(lines) + "\n"
+        macros["TABLE_FILE"] = ""
+    return macros | {"DATA_PARAMETERS": ", ".join(parameters)}
+
+
+def _disk(model) -> dict:
+    """Macros of a model of lumps: the projection, and whether a single one is held inside the disk."""
+    if not hasattr(model, "projection"):
+        return {}
+    macros = {"PROJECTION": model.projection.id.upper()}
+    if len(model.lumps) == 1:
+        macros["HELD_RADII"] = int(model.lumps[0].held)
+    return macros
 
 
 def _in_use(name, lut):
@@ -112,31 +164,25 @@ def _in_use(name, lut):
         raise
 
 
-_TYPES = {"float": "float", "int": "int", "bool": "int", "enum": "int", "color": "color", "vector": "normal",
-          "image": "string"}
-
-
-def _weights(model, parameters, baked):
-    """Macros of a baked model: its signature, what its inputs must be for its weights to hold, and the weights."""
+def _weights(model, parameters, baked) -> dict:
+    """Macros of a baked model: what its inputs must be for its weights to hold, their layout, and the weights."""
     p = model.resolve(parameters)
-    inputs = [f"{_TYPES[q.kind]} {q.id} = {_literal(_TYPES[q.kind], q.default)}" for q in model.parameters]
     driven = {each.parameter.id for each in baked.ranges}
     matches = [_matches(q, p[q.id]) for q in model.parameters if q.evaluated and q.id not in driven]
     first = baked.sets[0]
     layout = first.layout
-    numbers = {"VIEWS": layout.views, "AZIMUTHS": layout.azimuths, "WHOLE": int(layout.whole),
-               "STEEPEST": weights.STEEPEST, "CROWDED": weights.CROWDED, "FACETS": weights.FACETS,
-               "RINGS": layout.cell_rings, "AROUND": layout.cell_turns, "CHANNELS": baked.channels,
-               "SPIKES": weights.SPIKES if len(first.spikes) else 0, "RANGES": len(driven), "SETS": len(baked.sets)}
-    lines = [f"#define W_{name} {value}" for name, value in numbers.items()]
-    lines += [f"#define RANGE_PLACES {', '.join(map(_place, baked.ranges))}",
-              f"#define RANGE_STEPS {', '.join(str(each.steps) for each in baked.ranges)}",
-              f"#define RANGE_SLOTS {', '.join(map(str, baked.slots))}",
-              f"#define MODEL {model.id}", f'#define MODEL_LABEL "{model.label}"',
-              "#define MODEL_PARAMETERS " + ", ".join(inputs), "#define MODEL_MATCHES " + (" && ".join(matches) or "1"),
-              "#define DATA_PARAMETERS " + _array("weights", np.concatenate([_set(one, baked.channels)
-                                                                             for one in baked.held]))]
-    return "\n".join(lines) + "\n"
+    return {
+        "MODEL_LABEL": f'"{model.label}"', "MODEL_MATCHES": " && ".join(matches) or "1",
+        # The layout of rows.
+        "W_VIEWS": layout.views, "W_AZIMUTHS": layout.azimuths, "W_WHOLE": int(layout.whole),
+        "W_RINGS": layout.cell_rings, "W_AROUND": layout.cell_turns, "W_CHANNELS": baked.channels,
+        "W_SPIKES": weights.SPIKES if len(first.spikes) else 0,
+        # What is driven.
+        "W_RANGES": len(driven), "W_SETS": len(baked.sets), "RANGE_PLACES": ", ".join(map(_place, baked.ranges)),
+        "RANGE_STEPS": ", ".join(str(each.steps) for each in baked.ranges),
+        "RANGE_SLOTS": ", ".join(map(str, baked.slots)),
+        "DATA_PARAMETERS": _array("weights", np.concatenate([_set(one, baked.channels) for one in baked.held])),
+    }
 
 
 def _place(driven):
@@ -147,7 +193,7 @@ def _place(driven):
 
 
 def _set(one, channels):
-    """The numbers of one set of weights, with as many `channels` as all sets have."""
+    """The numbers of one set of weights, with as many `channels` as all sets have; first `constants.ROW_HEAD`."""
     return np.concatenate([[*one.layout.stretch, one.brightness], one.with_channels(channels).rows.ravel(),
                            one.spikes.ravel()])
 
@@ -183,10 +229,9 @@ def _bells():
 def _bells_of(path, _):
     stored = _read_json(path)
     few, steep = np.array(stored["table"]), np.array(stored["steep"])
-    numbers = {"BELLS_PER_UNIT": bells.NODES, "BELL_KNOTS": bells.KNOTS, "STEEP_FROM": bells.STEEP_FROM,
-               "STEEP_ROWS": few.size, "STEEP_ROW": steep.shape[1], "STEEP_KNOTS": steep.shape[1] - bells.KNOTS - 1}
-    return ([f"#define {name} {value}" for name, value in numbers.items()],
-            [_array("bells", [*few.ravel(), *steep.ravel()])])
+    numbers = {"BELLS_ROW": few.shape[1], "STEEP_ROWS": few.size, "STEEP_ROW": steep.shape[1],
+               "STEEP_KNOTS": steep.shape[1] - bells.KNOTS - 1}
+    return numbers, (_array("bells", [*few.ravel(), *steep.ravel()]),)
 
 
 def _base(family):
@@ -204,17 +249,15 @@ def _base_of(family, path, _):
     facets = [(f["lean"], f["sharp"]) for f in own["facets"]]
     numbers = {"U": own["u_nodes"], "POWER": own["power"], "V": own["v_nodes"], "FEATURES": len(base["features"]),
                "GRAZING": base["grazing"], "DRAWN": base["drawn"], "HOLE": base["hole"],
-               "SETS": len(own["ramps"]), "STRIDE": own["stride"], "LEVELS": 9 * len(own["ramps"]),
+               "SETS": len(own["ramps"]), "STRIDE": own["stride"], "LEVELS": closures.SLOTS * len(own["ramps"]),
                "RAMPS": len(ramps), "FACETS": len(facets), "FACET_ROOM": max(len(facets), 1),
                "PLAIN": int(own["plain"])}
     arrays = [_array("base_widths", base["features"]), _array("base_ramps", np.ravel(ramps)),
               _array("base_facets", np.ravel(facets or [(0.0, 0.0)])), _vectors("base_table", own["table"])]
-    return [f"#define BASE_{name} {value}" for name, value in numbers.items()], arrays
+    return {f"BASE_{name}": value for name, value in numbers.items()}, tuple(arrays)
 
 
 def _table_parameter(table, mode, lut):
-    if table is None:  # a shader's functions take a table of the kind that all are of
-        return f'string table_{mode} = ""' if lut == FILE else f"float table_{mode}[2] = {{0.0, 0.0}}"
     if lut == FILE:
         return f'string table_{mode} = "{table.path.as_posix()}"'
     nodes = tables.load(table)
@@ -229,7 +272,7 @@ def _axes(table, mode, lut):
     numbers = (f"{c.columns}, {c.grazing}, {c.normal}, {r.rows}, {r.density}, {r.law}, {table.stamp!r}, "
                f"{int(isinstance(c, SineAxis))}, {table.height}, {r.lowest}, {r.highest}")
     name = f"table_{mode.lower()}" if lut == FILE else f'"{table.name}"'
-    return [f"#define AXES_{mode} Axes({numbers})", f"#define TABLE_NAME_{mode} {name}"]
+    return {f"AXES_{mode}": f"Axes({numbers})", f"TABLE_NAME_{mode}": name}
 
 
 def _array(name, values):

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..brdf.geometry import dot, half, mirror
+from ..brdf.microfacet import beckmann_lambda
 from .room import RoomError, quiet, require_blender
 
 _OSL = """
@@ -76,9 +77,7 @@ def microfacet(distribution: str, alpha: float) -> Standard:
         tan = np.sqrt(np.maximum(1.0 / np.square(cosine) - 1.0, 1e-12))
         if distribution == "ggx":
             return 0.5 * (np.sqrt(1.0 + (alpha * tan) ** 2) - 1.0)
-        a = 1.0 / (alpha * tan)
-        fit = ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a)
-        return np.where(a < 1.6, fit, 0.0)
+        return beckmann_lambda((alpha * tan) ** 2)
 
     def formula(view, light):
         cos2 = np.square(half(view, light)[:, 2])

@@ -1,17 +1,24 @@
 // Base lobes: Cycles' own closures that together are nearly the target; see addon/baking/base.py, which fits them.
-// The BASE_* macros and the arrays base_* come from its file.
+// The BASE_ macros and the arrays base_ come from its file.
 //
-// Most are phong_ramp, whose colours make it any function of (R.L)^e: equidistant levels, which Cycles interpolates, and
-// which it lets be negative.
+// Most are phong_ramp, whose colours make it any function of (R.L)^e: equidistant levels, which Cycles interpolates,
+// and which it lets be negative.
 
-#define LEVELS 8
-#define SLOTS 9  // numbers of a ramp in the table: the levels and one more
+#include "beckmann.h"
+
+// The arrays of the fit, which no struct can hold: as parameters of functions, passed on, and from the shader.
 #define BASE_PARAMETERS float widths[], float ramps[], float facets[], vector table[]
 #define BASE_ARGUMENTS widths, ramps, facets, table
 #define BASE_DATA base_widths, base_ramps, base_facets, base_table
-#define SHARPEST 5e5  // exponent of a crease's phong_ramp
-#define LEANEST 0.02  // lean of a facet times the lobe's width
-#define FAINT 1e-4  // of the mirror direction's gain: closures with less are left out
+
+#define LEVEL_VECTORS 3    // of the table, that hold the SLOTS of a ramp
+#define RAMP_NUMBERS 5     // of a ramp in the array: lean, sharpness, side, level of the crease, set of levels
+#define FACET_NUMBERS 2    // of a facet: lean, sharpness
+#define FAINT 1e-4         // of the mirror direction's gain: closures with less are left out
+#define LARGEST_GAIN 1e9    // no gain is as large
+#define LEAST_GAIN 1e-6    // that the table is read for
+#define LEAST_VIEW 1e-6    // cosine of a view that is divided by
+#define LEAST_MIRROR 1e-9    // gain of the mirror direction that is divided by
 
 struct Base {
     float left;                            // size of what the base leaves over, in parts of the target's energy
@@ -29,14 +36,14 @@ struct Base {
 
 // The gain over the mirror direction's side of the lobe, where N.L is the larger cosine. A part of it that grows with
 // N.L is Cycles' own phong_ramp times `plain`, exactly; it is taken off the gains. Returns the mirror direction's gain.
-float read_gains(Hit hit, Correction c, float scale, float widths[], output float gains[BASE_FEATURES],
-                 output float plain, TABLE(table_p), TABLE(table_c))
+float read_gains(Hit hit, float scale, float widths[], output float gains[BASE_FEATURES], output float plain,
+                 CORRECTION_PARAMETERS)
 {
     float cosines[BASE_FEATURES];
-    float least = 1e9;
+    float least = LARGEST_GAIN;
     for (int q = 0; q < BASE_FEATURES; q += 1) {
         cosines[q] = q > 0 ? cos(max(hit.theta - widths[q] * scale, 0.0)) : hit.frame.view[2];
-        gains[q] = 1.0 / correction(c, cosines[q], table_p, table_c);
+        gains[q] = 1.0 / correction(cosines[q], CORRECTION);
         least = min(least, gains[q]);
     }
     float mirror = gains[0] * cosines[0];
@@ -50,8 +57,9 @@ float read_gains(Hit hit, Correction c, float scale, float widths[], output floa
 // that the hit lies in, which is as good as between four and faster.
 void blend_nodes(Hit hit, float scale, float gains[BASE_FEATURES], vector table[], output vector sums[BASE_STRIDE])
 {
-    float w = hit.frame.view[0] / max(hit.frame.view[2], 1e-6) * scale;
-    float u = (BASE_U - 1) * (0.5 * w / (1.0 + w) + hit.theta / M_PI);
+    // Where the hit lies among the nodes: see `Family` in addon/baking/base.py.
+    float w = hit.frame.view[0] / max(hit.frame.view[2], LEAST_VIEW) * scale;
+    float u = (BASE_U - 1) * (VIEW_SLOPE_SHARE * w / (1.0 + w) + hit.theta / M_PI);
     float v = (BASE_V - 1) * pow(hit.n, -BASE_POWER);
     int i = min((int)u, BASE_U - 2);
     int j = min((int)v, BASE_V - 2);
@@ -64,7 +72,7 @@ void blend_nodes(Hit hit, float scale, float gains[BASE_FEATURES], vector table[
     for (int e = 0; e < BASE_STRIDE; e += 1)
         sums[e] = 0.0;
     for (int q = 0; q < BASE_FEATURES; q += 1) {
-        if (gains[q] > 1e-6) {
+        if (gains[q] > LEAST_GAIN) {
             float a = gains[q] * (1.0 - max(u, v));
             float b = gains[q] * abs(u - v);
             float c = gains[q] * min(u, v);
@@ -77,157 +85,95 @@ void blend_nodes(Hit hit, float scale, float gains[BASE_FEATURES], vector table[
     }
 }
 
-void make_base(output Base b, Hit hit, Correction c, TABLE(table_p), TABLE(table_c), BASE_PARAMETERS)
+// The SLOTS of a ramp, least to most, and their mean and size. `least` is added to each level.
+void make_levels(output Base b, int set, float unit, vector sums[BASE_STRIDE], vector least)
+{
+    vector low = unit * sums[LEVEL_VECTORS * set] + least;
+    vector middle = unit * sums[LEVEL_VECTORS * set + 1] + least;
+    vector high = unit * sums[LEVEL_VECTORS * set + 2] + least;
+    int at = SLOTS * set;
+    b.level[at] = low[0];
+    b.level[at + 1] = low[1];
+    b.level[at + 2] = low[2];
+    b.level[at + 3] = middle[0];
+    b.level[at + 4] = middle[1];
+    b.level[at + 5] = middle[2];
+    b.level[at + 6] = high[0];
+    b.level[at + 7] = high[1];
+    // By trapezoids; what is in the last slot is no level.
+    vector one = vector(1.0);
+    vector last = vector(high[0], high[1], 0.0);
+    b.mean[set] = (dot(low + middle + last, one) - 0.5 * (low[0] + high[1])) / (LEVELS - 1);
+    b.size[set] = dot(abs(low) + abs(middle) + abs(last), one) / (LEVELS - 1);
+}
+
+// Lays a ramp's crease, a circle where its colours have a kink, through the mirror direction. Returns how far it leans.
+float lay_crease(output Base b, int i, Hit hit, float scale, float ramps[])
+{
+    int at = RAMP_NUMBERS * i;
+    int set = b.sets[i];
+    float lean = max(min(ramps[at] * scale, hit.theta), CREASE_LEAN * scale);
+    float rise = log((LEVELS - 1) / ramps[at + 3]);
+    b.exponent[i] = rise / max(-log(max(cos(lean), CREASE_COSINE)), rise / SHARPEST);
+    // The exponent is large where the circle is small: the colours are scaled to be of the same effect.
+    float lower = (hit.m + 2.0) / (b.exponent[i] + 2.0);
+    for (int k = 0; k < LEVELS; k += 1)
+        b.level[SLOTS * set + k] *= lower;
+    b.mean[set] *= lower;
+    b.size[set] *= lower;
+    return lean;
+}
+
+// A ramp whose levels are made: its exponent, and where it points.
+void make_ramp(output Base b, int i, Hit hit, float scale, float ramps[])
+{
+    int at = RAMP_NUMBERS * i;
+    float height = M_PI_2 - hit.theta;
+    // Held back near the horizons: Cycles bends closures that mirror into the surface.
+    float lean = clamp(ramps[at] * scale, -LEAN_DOWN * max(height - LEAN_MARGIN, 0.0), M_PI - height - LEAN_UP);
+    b.exponent[i] = hit.m * ramps[at + 1];
+    if (ramps[at + 3] > 0.0)
+        lean = lay_crease(b, i, hit, scale, ramps);
+    // Turned out of the plane of incidence, where it is one of two.
+    b.axis[i] = vector(sin(lean - hit.theta), 0.0, cos(lean - hit.theta));
+    if (ramps[at + 2] != 0.0) {
+        float side = ramps[at + 2] * scale;
+        b.axis[i] = cos(side) * b.axis[i] + vector(0.0, sin(side), 0.0);
+    }
+    b.facet[i] = normalize(b.axis[i] + hit.frame.view);
+}
+
+void make_base(output Base b, Hit hit, CORRECTION_PARAMETERS, BASE_PARAMETERS)
 {
     float scale = 1.0 / sqrt(hit.m);
     float mean = hit.frame.view[2] + BASE_GRAZING * scale;
+    // What the fit says for this hit's gains.
     float gains[BASE_FEATURES];
     float plain;
-    float mirror = read_gains(hit, c, scale, widths, gains, plain, table_p, table_c);
+    float mirror = read_gains(hit, scale, widths, gains, plain, CORRECTION);
     vector sums[BASE_STRIDE];
     blend_nodes(hit, scale, gains, table, sums);
-    b.left = max(sums[2][2], 0.0) / max(mirror, 1e-9);
+    b.left = max(sums[2][2], 0.0) / max(mirror, LEAST_MIRROR);
+    // Colours, of all ramps before any ramp: two ramps may have the same.
     int faint[BASE_SETS];
     float unit = 1.0 / mean;
     for (int i = 0; i < BASE_SETS; i += 1) {
-        vector least = i == 0 ? vector(plain) : vector(0.0);
-        vector low = unit * sums[3 * i] + least;
-        vector middle = unit * sums[3 * i + 1] + least;
-        vector high = unit * sums[3 * i + 2] + least;
-        int at = SLOTS * i;
-        b.level[at] = low[0];
-        b.level[at + 1] = low[1];
-        b.level[at + 2] = low[2];
-        b.level[at + 3] = middle[0];
-        b.level[at + 4] = middle[1];
-        b.level[at + 5] = middle[2];
-        b.level[at + 6] = high[0];
-        b.level[at + 7] = high[1];
-        vector one = vector(1.0);
-        vector last = vector(high[0], high[1], 0.0);
-        b.mean[i] = (dot(low + middle + last, one) - 0.5 * (low[0] + high[1])) / (LEVELS - 1);
-        b.size[i] = dot(abs(low) + abs(middle) + abs(last), one) / (LEVELS - 1);
+        make_levels(b, i, unit, sums, i == 0 ? vector(plain) : vector(0.0));
         faint[i] = b.size[i] * mean < FAINT * mirror;
     }
-    float height = M_PI_2 - hit.theta;
     for (int i = 0; i < BASE_RAMPS; i += 1) {
-        int at = 5 * i;
-        int s = (int)ramps[at + 4];
+        int s = (int)ramps[RAMP_NUMBERS * i + 4];
         b.sets[i] = faint[s] ? -1 : s;
-        if (!faint[s]) {
-            // Held back near the horizons: Cycles bends closures that mirror into the surface.
-            float lean = clamp(ramps[at] * scale, -0.6 * max(height - 0.03, 0.0), M_PI - height - 0.3);
-            b.exponent[i] = hit.m * ramps[at + 1];
-            if (ramps[at + 3] > 0.0) {
-                // The circle of one of its colours, where it has a kink, goes through the mirror direction.
-                lean = max(min(ramps[at] * scale, hit.theta), 0.1 * scale);
-                float rise = log((LEVELS - 1) / ramps[at + 3]);
-                b.exponent[i] = rise / max(-log(max(cos(lean), 0.03)), rise / SHARPEST);
-                float lower = (hit.m + 2.0) / (b.exponent[i] + 2.0);
-                for (int k = 0; k < LEVELS; k += 1)
-                    b.level[SLOTS * s + k] *= lower;
-                b.mean[s] *= lower;
-                b.size[s] *= lower;
-            }
-            b.axis[i] = vector(sin(lean - hit.theta), 0.0, cos(lean - hit.theta));
-            if (ramps[at + 2] != 0.0) {
-                float side = ramps[at + 2] * scale;
-                b.axis[i] = cos(side) * b.axis[i] + vector(0.0, sin(side), 0.0);
-            }
-            b.facet[i] = normalize(b.axis[i] + hit.frame.view);
-        }
+        if (!faint[s])
+            make_ramp(b, i, hit, scale, ramps);
     }
+    // Microfacets.
     for (int i = 0; i < BASE_FACETS; i += 1) {
         int e = i / 3;
-        float weight = sums[3 * BASE_SETS + e][i - 3 * e] * mean;
+        float weight = sums[LEVEL_VECTORS * BASE_SETS + e][i - 3 * e] * mean;
         b.weight[i] = weight < FAINT * mirror ? 0.0 : weight;
-        float lean = min(facets[2 * i] * scale, LEANEST / scale);
+        float lean = min(facets[FACET_NUMBERS * i] * scale, LEANEST / scale);
         b.tilted[i] = vector(sin(lean), 0.0, cos(lean));
-        b.alpha2[i] = min(0.5 / (hit.m * facets[2 * i + 1]), 1.0);
+        b.alpha2[i] = min(0.5 / (hit.m * facets[FACET_NUMBERS * i + 1]), 1.0);
     }
-}
-
-// Smith's Lambda of Beckmann microfacets, as Cycles fits it.
-float beckmann_lambda(float alpha2, float cosine)
-{
-    float tan2 = alpha2 * max(1.0 / (cosine * cosine) - 1.0, 0.0);
-    if (tan2 < 0.39)
-        return 0.0;
-    float a = inversesqrt(tan2);
-    return ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a);
-}
-
-float beckmann(vector facet, float alpha2, vector view, vector light, vector h)
-{
-    float nl = dot(facet, light);
-    float nv = max(dot(facet, view), 1e-6);
-    float cos2 = dot(facet, h) * dot(facet, h);
-    if (nl <= 0.0 || cos2 < 1e-9)
-        return 0.0;
-    return exp((1.0 - 1.0 / cos2) / alpha2)
-         / (4.0 * nv * M_PI * alpha2 * cos2 * cos2 * (1.0 + beckmann_lambda(alpha2, nl) + beckmann_lambda(alpha2, nv)));
-}
-
-// Sum of the base's closures towards a light, N.L included, as Cycles evaluates them.
-float base_value(Base b, vector view, vector light, vector h)
-{
-    float sum = 0.0;
-    for (int i = 0; i < BASE_RAMPS; i += 1) {
-        if (b.sets[i] >= 0) {
-            float e = b.exponent[i];
-            vector away = b.axis[i] - light;
-            float power = power_of_rest(0.5 * dot(away, away), e);
-            float x = (LEVELS - 1) * min(power, 1.0);
-            int k = min((int)x, LEVELS - 2);
-            int at = SLOTS * b.sets[i] + k;
-            sum += mix(b.level[at], b.level[at + 1], x - k) * (e + 2.0) / M_2PI * power
-                 * max(dot(b.facet[i], light), 0.0);
-        }
-    }
-    for (int i = 0; i < BASE_FACETS; i += 1)
-        if (b.weight[i] > 0.0)
-            sum += b.weight[i] * beckmann(b.tilted[i], b.alpha2[i], view, light, h);
-    return sum;
-}
-
-// The cosine that a ramp carries: its energy is the mean of its colours times that.
-float ramp_cosine(Base b, int i)
-{
-    return min(dot(b.facet[i], b.axis[i]) + BASE_GRAZING * inversesqrt(b.exponent[i]), 1.0);
-}
-
-float base_energy(Base b)
-{
-    float sum = 0.0;
-    for (int i = 0; i < BASE_RAMPS; i += 1)
-        if (b.sets[i] >= 0)
-            sum += b.mean[b.sets[i]] * ramp_cosine(b, i);
-    for (int i = 0; i < BASE_FACETS; i += 1)
-        sum += b.weight[i];
-    return max(sum, 1e-3);
-}
-
-closure color base_closures(Base b, Frame f, color tint)
-{
-    closure color sum = 0;
-    for (int i = 0; i < BASE_RAMPS; i += 1) {
-        if (b.sets[i] >= 0) {
-            int first = SLOTS * b.sets[i];
-            // Cycles draws closures by their weights, not their colours: the weight is the energy, and less where
-            // the closure only mends the first one's shape. Those that take away are drawn as well: where they add
-            // something, they may be alone.
-            float drawn = max(b.mean[b.sets[i]], 0.1 * b.size[b.sets[i]]) * ramp_cosine(b, i);
-            float weight = max(i == 0 ? drawn : 0.3 * drawn, 2e-3);
-            float share = 1.0 / weight;
-            color colours[LEVELS];
-            for (int k = 0; k < LEVELS; k += 1)
-                colours[k] = share * b.level[first + k];
-            sum += weight * tint * phong_ramp(normalize(to_world(f, b.facet[i])), b.exponent[i], colours);
-        }
-    }
-    for (int i = 0; i < BASE_FACETS; i += 1)
-        if (b.weight[i] > 0.0)
-            sum += b.weight[i] * tint
-                 * microfacet("beckmann", normalize(to_world(f, b.tilted[i])), sqrt(b.alpha2[i]), 0.0, 0);
-    return sum;
 }

@@ -4,4 +4,9 @@ struct Correction {
     float mu_view;
 };
 
-float correction(Correction c, float mu_light, TABLE(plain), TABLE(controlled)) { return max(mu_light, c.mu_view); }
+// See correction_none.h.
+#define CORRECTION_PARAMETERS Correction c
+#define CORRECTION c
+#define CORRECTION_DATA c
+
+float correction(float mu_light, CORRECTION_PARAMETERS) { return max(mu_light, c.mu_view); }

@@ -4,4 +4,10 @@ struct Correction {
     float mu_view;
 };
 
-float correction(Correction c, float mu_light, TABLE(plain), TABLE(controlled)) { return 1.0; }
+// The correction, and the tables that it reads, which no struct can hold: as parameters of functions, passed on, and
+// from the shader.
+#define CORRECTION_PARAMETERS Correction c
+#define CORRECTION c
+#define CORRECTION_DATA c
+
+float correction(float mu_light, CORRECTION_PARAMETERS) { return 1.0; }

@@ -1,5 +1,7 @@
 // D of albedo pumping-up: see addon/brdf/pumping.py.
 
+#define PUMPED
+
 #ifndef ALBEDO_FALLS
 #define ALBEDO_FALLS 0  // towards the normal
 #endif
@@ -10,26 +12,64 @@ struct Correction {
     int stages;  // how many albedos the pumps read
     int control;
     Row row;
-    float at_view[4];
+    float at_view[TABLE_CHANNELS];
 };
 
-void albedos(Row row, int control, float mu, int stages, TABLE(plain), TABLE(controlled), output float a[4])
+// The correction, and the tables that it reads, which no struct can hold: as parameters of functions, passed on, and
+// from the shader. CONTROLLED_TABLE is the second, for models that have one.
+#ifdef AXES_CONTROLLED
+#define CORRECTION_PARAMETERS Correction c, TABLE(plain_albedos), TABLE(controlled_albedos)
+#define CORRECTION c, plain_albedos, controlled_albedos
+#define CORRECTION_DATA c, table_plain, table_controlled
+#define CONTROLLED_TABLE controlled_albedos
+#define CONTROLLED_AXES AXES_CONTROLLED
+#else
+#define CORRECTION_PARAMETERS Correction c, TABLE(plain_albedos)
+#define CORRECTION c, plain_albedos
+#define CORRECTION_DATA c, table_plain
+#define CONTROLLED_TABLE plain_albedos
+#define CONTROLLED_AXES AXES_PLAIN
+#endif
+
+void albedos(float mu, output float a[TABLE_CHANNELS], CORRECTION_PARAMETERS)
 {
-    if (control)
-        table_read(controlled, row, mu, stages, a);
+    if (c.control)
+        table_read(CONTROLLED_TABLE, c.row, mu, c.stages, a);
     else
-        table_read(plain, row, mu, stages, a);
+        table_read(plain_albedos, c.row, mu, c.stages, a);
 }
 
-float correction(Correction c, float mu_light, TABLE(plain), TABLE(controlled))
+// Completes a correction whose mu_view is known. Returns whether its table can be used; where nothing is pumped, any
+// can.
+int read_pumps(float exponent, float pumps, int control, output CORRECTION_PARAMETERS)
+{
+    c.pumps = pumps;
+    c.stages = (int)ceil(pumps);
+    c.control = control;
+    // The row of the exponent, in a table that is as declared.
+    if (control) {
+        c.row = table_row(CONTROLLED_AXES, exponent);
+        table_check(CONTROLLED_TABLE, c.row);
+    } else {
+        c.row = table_row(AXES_PLAIN, exponent);
+        table_check(plain_albedos, c.row);
+    }
+    if (!c.row.valid && pumps > 0.0)
+        return 0;
+    albedos(c.mu_view, c.at_view, CORRECTION);
+    return 1;
+}
+
+float correction(float mu_light, CORRECTION_PARAMETERS)
 {
     if (c.pumps <= 0.0)
         return 1.0;
-    // Phong's and Blinn's albedos grow with the cosine (but for 2e-4 at the fourth pump), so a light below the view has no
-    // say in the larger.
-    float at_light[4] = {0.0, 0.0, 0.0, 0.0};
+    // Phong's and Blinn's albedos grow with the cosine (but for 2e-4 at the fourth pump), so a light below the view
+    // has no say in the larger.
+    float at_light[TABLE_CHANNELS] = {0.0, 0.0, 0.0, 0.0};
     if (ALBEDO_FALLS || mu_light > c.mu_view)
-        albedos(c.row, c.control, mu_light, c.stages, plain, controlled, at_light);
+        albedos(mu_light, at_light, CORRECTION);
+    // Stage by stage; the last may count in part.
     float d = 1.0;
     for (int stage = 0; stage < c.stages; stage += 1) {
         float share = min(c.pumps - stage, 1.0);

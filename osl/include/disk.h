@@ -5,9 +5,15 @@
 
 #include "power.h"
 
+// The projections of V+L to the disk.
+#define SCALING 0
+#define ORTHOGONAL 1
+
+#define LEAST_HEIGHT2 1e-8  // squared cosine of a light: a lower one is below the horizon
+
 struct Disk {
     Frame frame;
-    int orthogonal;  // the projection: orthogonal or scaling
+    int orthogonal;  // the projection
     vector up;       // geometric normal, local
 };
 
@@ -19,13 +25,12 @@ struct Spot {
     float size;      // |V+L|, for scaling the length of the vector that ends at h
 };
 
-Disk make_disk(normal shading, normal surface, normal geometric, vector view, vector tangent, int orthogonal)
+Disk make_disk(normal shading, vector tangent, int orthogonal)
 {
     Disk d;
-    normal chosen = dot(shading, shading) > 1e-8 ? normalize(shading) : surface;
-    d.frame = tangent_frame(chosen, geometric, view, tangent);
+    d.frame = tangent_frame(input_normal(shading), Ng, I, tangent);
     d.orthogonal = orthogonal;
-    d.up = vector(dot(geometric, d.frame.x), dot(geometric, d.frame.y), dot(geometric, d.frame.z));
+    d.up = to_local(d.frame, Ng);
     return d;
 }
 
@@ -94,7 +99,7 @@ int disk_spot(Disk d, vector h, output Spot s)
     if (d.orthogonal) {
         vector plane = h - vector(view[0], view[1], 0.0);
         float height2 = 1.0 - dot(plane, plane);
-        if (height2 <= 1e-8)
+        if (height2 <= LEAST_HEIGHT2)
             return 0;
         s.light = vector(plane[0], plane[1], sqrt(height2));
         vector total = s.light + view;

@@ -13,12 +13,13 @@
 // than the base is high, so that no sample of any light is negative. What no hole can take away, far out on a lobe, is
 // taken from the base as a whole: light is moved within the lobe, but none is made.
 //
-// A model includes one lobe_*.h, hit.h, one correction_*.h and base.h before this.
+// A model includes one lobe_*.h, hit.h, one correction_*.h, base.h and base_closures.h before this.
 
 #define NARROWEST 1.2e-3  // radians: in single precision narrower phong_ramps lose their shape
 #define MUCH_LEFT 0.08    // of the energy: where all samples per hit are drawn; proportionally less for
 #define WIDE 0.22         // radians: lobes wider than this, next to which splats are small
 #define LITTLE_LEFT 0.003 // of the energy: with less, splats are drawn at fewer hits, and are heavier
+#define NONE_LEFT 1e-4    // of the energy: there are no splats
 #define HEAVIEST 2.0      // weight of all splats of a hit, in parts of the light that comes in
 #define UNSEEN 1e-5       // weight of a splat that is left out
 
@@ -26,13 +27,24 @@
 #define WIDEST 0.2        // of the lobe's width
 #define BLUR 0.004        // of the lobe's width, over the part of the energy that is left over
 // and, as the target has a crease where N.L = N.V, of the greater of
-#define CREASE 0.025      // radians, over tan(theta), by which the slope changes there, and the root of the lobe's height
+#define CREASE 0.025      // radians, over tan(theta), as the slope changes there, and the root of the lobe's height
 #define APART 0.3         // of the angle to the crease
+#define ABOVE_HORIZON 3.0 // radii that its middle lies above the horizon
 
-// A hole is flat and has an edge: its depth falls to SHOULDER of what it is in the middle at 1.06 radii, to 0 at 1.30.
+// A hole is flat and has an edge: its depth falls to SHOULDER of what it is in the middle at HOLE_SHOULDER
+// radii, to 0 at HOLE_EDGE.
 #define SHOULDER 0.57
 #define HOLE_SHOULDER 1.06
-#define HOLE_EDGE 1.30
+#define HOLE_LEVEL 2.0    // of the inner four of its eight levels: their energy is a half
+#define HOLE_DEPTH 0.9    // of what a hole may be deep
+#define HOLE_WIDER 1.1    // than it must be
+
+// Least numbers that are divided by.
+#define LEAST_SINE 1e-6   // of the view
+#define LEAST_HL 1e-3     // H.L
+#define LEAST_LOBE 1e-9   // the lobe's height,
+#define LEAST_PART 1e-6   // in parts of its peak
+#define LEAST_TINT 1e-6
 
 float largest(color c) { return max(c[0], max(c[1], c[2])); }
 
@@ -44,15 +56,15 @@ closure color splat(Hit hit, vector c, color weight, float radius, int hole)
     float exponent = 1.0 / (radius * radius);
     float size = largest(abs(weight));
     // (e+2)/(2 pi) (R.L)^e (H.L) over the sphere is H.c. The closure's own weight must be positive.
-    color shade = weight / (size * max(dot(h, c), 1e-3));
+    color shade = weight / (size * max(dot(h, c), LEAST_HL));
     color far = hole ? color(0.0) : shade;
-    color near = hole ? 2.0 * shade : shade;  // the energy of the inner four of eight levels is a half
-    color colours[8] = {far, far, far, far, near, near, near, near};
+    color near = hole ? HOLE_LEVEL * shade : shade;
+    color colours[LEVELS] = {far, far, far, far, near, near, near, near};
     return size * phong_ramp(normalize(to_world(hit.frame, h)), exponent, colours);
 }
 
-// How deep a hole at c may be, 0 to 1 of the base's height there, so that its shoulders are not deeper than the base: it
-// is taken to fall as the lobe does, away from the mirror direction and towards the horizon.
+// How deep a hole at c may be, 0 to 1 of the base's height there, so that its shoulders are not deeper than the base:
+// it is taken to fall as the lobe does, away from the mirror direction and towards the horizon.
 float slope(Hit hit, vector c, float radius)
 {
     vector outward = c - mirror_of(hit.frame.view);
@@ -62,79 +74,125 @@ float slope(Hit hit, vector c, float radius)
         vector way = side ? down : outward;
         vector shoulder = normalize(c + HOLE_SHOULDER * radius * normalize(way - dot(way, c) * c));
         low = min(low, lobe_value(hit.frame.view, shoulder, hit.n) * shoulder[2]
-                       / max(lobe_value(hit.frame.view, c, hit.n) * c[2], 1e-9));
+                       / max(lobe_value(hit.frame.view, c, hit.n) * c[2], LEAST_LOBE));
     }
     return max(low, 0.0) / SHOULDER;
 }
 
-// The splats of a hit that has them, by `chance`; `owed` is what should be taken away and cannot be.
-closure color splats(Hit hit, Correction c, Base base, color tint, Colour colour, vector numbers, int count,
-                     float chance, float spread, float left_over, normal geometric, output color owed,
-                     TABLE(plain), TABLE(controlled))
+// What is the same for all splats of a hit.
+struct Aim {
+    Draws draws;
+    color tint;      // of the base
+    float n;         // exponent of the lobe that lights are drawn from
+    float width;     // of the hit's lobe
+    float widest;    // splat
+    float peak;      // of the lobe
+    float on_crease; // radius of a splat there, where the lobe is as high as its peak
+};
+
+Aim make_aim(Hit hit, Draws draws, color tint, float residual)
+{
+    vector view = hit.frame.view;
+    Aim aim;
+    aim.draws = draws;
+    aim.tint = tint;
+    aim.n = BASE_DRAWN * hit.n;
+    aim.width = lobe_width(view[2], hit.n);
+    aim.widest = min(WIDEST, BLUR / residual) * aim.width;
+    aim.peak = lobe_value(view, mirror_of(view), hit.n);
+    aim.on_crease = CREASE * view[2] / max(view[0], LEAST_SINE);
+    return aim;
+}
+
+// A light that a splat is drawn at.
+struct Drawn {
+    vector light;
+    float density;
+    float height;  // sine of the angle above the lower of the shading and the geometric horizon
+};
+
+// What no hole can take away of `weight`, which becomes what it does; `radius` becomes the hole's. `based` is the base
+// at the light, and `most` the largest part of the base's colour that is to be taken away.
+color hold_hole(Hit hit, Aim aim, Drawn at, float based, float most, output float radius, output color weight)
+{
+    int count = aim.draws.count;
+    // All holes of a hit may lie upon each other: each has a part of the height.
+    float wide = sqrt(most * count / (M_PI * max(based, LEAST_LOBE)));
+    radius = min(max(radius, HOLE_WIDER * wide), min(BASE_HOLE * aim.width, at.height / HOLE_EDGE));
+    float deepest = HOLE_DEPTH * max(based, 0.0) * slope(hit, at.light, radius) / count;
+    float kept = min(M_PI * radius * radius * deepest / most, 1.0);
+    color taken = min(weight, color(0.0));
+    color excess = (1.0 - kept) * taken;
+    weight -= excess;
+    return excess;
+}
+
+// The splat at a light; what should be taken away and cannot be is added to `excess`.
+closure color splat_at(Drawn at, Hit hit, Aim aim, Colour colour, Base base, output color excess, CORRECTION_PARAMETERS)
+{
+    vector view = hit.frame.view;
+    vector light = at.light;
+    vector h = normalize(view + light);
+    // What the base leaves of the target, over the density.
+    float lobe = lobe_value(view, light, hit.n);
+    float value = SPOILT_TARGET(lobe) * light[2] / correction(light[2], CORRECTION);
+    float based = base_value(base, view, light, h);
+    color left = value * fresnel_factor(colour, dot(view, h)) - based * aim.tint;
+    float drawn = aim.draws.chance * at.density;
+    color weight = SPOILT_SPLAT(clamp(left / drawn, -HEAVIEST, HEAVIEST) / aim.draws.count);
+    // Its radius, by how fast the target changes.
+    float crease = max(aim.on_crease * sqrt(aim.peak / max(lobe, LEAST_PART * aim.peak)),
+                       APART * abs(acos(min(light[2], 1.0)) - hit.theta));
+    float radius = aim.draws.spread
+                 * min(sqrt(0.5 / (M_PI * aim.draws.count * at.density)), min(aim.widest, crease));
+    // Little of a splat may reach below the horizon.
+    float most = largest(max(-weight / max(aim.tint, color(LEAST_TINT)), color(0.0)));
+    int hole = most > 0.0;
+    if (hole && aim.draws.spread > 0.0)
+        excess -= hold_hole(hit, aim, at, based, most, radius, weight);
+    else
+        radius = min(radius, at.height / ABOVE_HORIZON);
+    closure color found = 0;
+    if (largest(abs(weight)) > UNSEEN)
+        found = splat(hit, light, weight, max(radius, NARROWEST), hole);
+    return found;
+}
+
+// The splats of a hit that has them; `excess` is what should be taken away and cannot be.
+closure color splats(Hit hit, Aim aim, Colour colour, Base base, output color excess, CORRECTION_PARAMETERS)
 {
     closure color sum = 0;
-    owed = 0.0;
+    excess = 0.0;
     vector view = hit.frame.view;
-    vector up = vector(dot(geometric, hit.frame.x), dot(geometric, hit.frame.y), dot(geometric, hit.frame.z));
-    float width = lobe_width(view[2], hit.n);
-    float widest = min(WIDEST, BLUR / left_over) * width;
-    float peak = lobe_value(view, mirror_of(view), hit.n);
-    float on_crease = CREASE * view[2] / max(view[0], 1e-6);
-    float n = BASE_DRAWN * hit.n;
-    for (int k = 0; k < count; k += 1) {
-        vector light = lobe_draw(view, lattice_u(numbers, k, count), lattice_v(numbers, k), n);
-        float density = lobe_density(view, light, n);
-        // Sines of the heights above the shading and the geometric horizon; little of a splat may reach below either.
-        float height = min(light[2], dot(light, up));
-        if (height > 0.0 && density > 0.0) {
-            vector h = normalize(view + light);
-            float lobe = lobe_value(view, light, hit.n);
-            float value = lobe * light[2] / correction(c, light[2], plain, controlled);
-            float based = base_value(base, view, light, h);
-            color left = value * fresnel_factor(colour, dot(view, h)) - based * tint;
-            float drawn = chance * density;
-            color weight = clamp(left / drawn, -HEAVIEST, HEAVIEST) / count;
-            float crease = max(on_crease * sqrt(peak / max(lobe, 1e-6 * peak)),
-                               APART * abs(acos(min(light[2], 1.0)) - hit.theta));
-            float radius = spread * min(sqrt(0.5 / (M_PI * count * density)), min(widest, crease));
-            // The largest part of the base's colour that is to be taken away.
-            float most = largest(max(-weight / max(tint, color(1e-6)), color(0.0)));
-            int hole = most > 0.0;
-            if (hole && spread > 0.0) {
-                // All holes of a hit may lie upon each other: each has a part of the height.
-                float wide = sqrt(most * count / (M_PI * max(based, 1e-9)));
-                radius = min(max(radius, 1.1 * wide), min(BASE_HOLE * width, height / HOLE_EDGE));
-                float deepest = 0.9 * max(based, 0.0) * slope(hit, light, radius) / count;
-                float kept = min(M_PI * radius * radius * deepest / most, 1.0);
-                color taken = min(weight, color(0.0));
-                owed -= (1.0 - kept) * taken;
-                weight -= (1.0 - kept) * taken;
-            } else
-                radius = min(radius, height / 3.0);
-            if (largest(abs(weight)) > UNSEEN)
-                sum += splat(hit, light, weight, max(radius, NARROWEST), hole);
-        }
+    for (int k = 0; k < aim.draws.count; k += 1) {
+        vector light = lobe_draw(view, lattice_u(aim.draws.numbers, k, aim.draws.count),
+                                 lattice_v(aim.draws.numbers, k), aim.n);
+        float density = lobe_density(view, light, aim.n);
+        AT_SPLAT(light, vector(density, aim.draws.chance, aim.draws.count), aim.draws.count)
+        Drawn at = { light, density, min(light[2], dot(light, hit.up)) };
+        if (at.height > 0.0 && density > 0.0)
+            sum += splat_at(at, hit, aim, colour, base, excess, CORRECTION);
     }
     return sum;
 }
 
-closure color estimate(Hit hit, Correction c, Colour colour, vector numbers, int count, float spread, normal geometric,
-                       TABLE(plain), TABLE(controlled), BASE_PARAMETERS)
+closure color estimate(Hit hit, Colour colour, Draws wanted, CORRECTION_PARAMETERS, BASE_PARAMETERS)
 {
     Base base;
-    make_base(base, hit, c, plain, controlled, BASE_ARGUMENTS);
+    make_base(base, hit, CORRECTION, BASE_ARGUMENTS);
     color tint;
     float left = base.left + fresnel_change(colour, hit.theta, inversesqrt(hit.m), tint);
-    int draws = clamp((int)ceil(count * left / (MUCH_LEFT * min(WIDE * sqrt(hit.m), 1.0))), 1, count);
     // Nothing is left over where the base is exact: plain Phong, without a Fresnel factor that changes over the lobe.
-    float chance = min(left / LITTLE_LEFT, 1.0);
-    if (left <= 1e-4 || numbers[1] >= chance)
+    Draws draws = wanted;
+    draws.count = clamp((int)ceil(wanted.count * left / (MUCH_LEFT * min(WIDE * sqrt(hit.m), 1.0))), 1, wanted.count);
+    draws.chance = min(left / LITTLE_LEFT, 1.0);
+    if (!SPLATS || left <= NONE_LEFT || wanted.numbers[1] >= draws.chance)
         return base_closures(base, hit.frame, tint);
-    vector drawn = vector(numbers[0], numbers[1] / chance, 0.0);
-    color owed;
-    closure color sum = splats(hit, c, base, tint, colour, drawn, draws, chance, spread, left, geometric, owed,
-                               plain, controlled);
-    if (largest(owed) > 0.0)
-        tint = max(tint - owed / base_energy(base), color(0.0));
+    // The number that decided is uniform again below what it was held against.
+    draws.numbers = vector(wanted.numbers[0], wanted.numbers[1] / draws.chance, 0.0);
+    color excess;
+    closure color sum = splats(hit, make_aim(hit, draws, tint, left), colour, base, excess, CORRECTION);
+    if (largest(excess) > 0.0)
+        tint = max(tint - excess / base_energy(base), color(0.0));
     return sum + base_closures(base, hit.frame, tint);
 }

@@ -1,8 +1,6 @@
 // The colour factor; see addon/brdf/fresnel.py for sources.
 
-#define FRESNEL_CONSTANT 0
-#define FRESNEL_SCHLICK 1
-#define FRESNEL_CONDUCTOR 2
+#define LEAST_FACTOR 1e-6  // of the mirror direction, summed over channels: anything is divided by no less
 
 struct Colour {
     int choice;
@@ -16,6 +14,7 @@ color conductor(float mu, color n, color k)
 {
     float sin2 = 1.0 - mu * mu;
     color t0 = n * n - k * k - sin2;
+    // Half of what is reflected has the electric field across the plane of incidence, half in it.
     color a2b2 = sqrt(t0 * t0 + 4.0 * n * n * k * k);
     color a = sqrt(max(color(0.0), 0.5 * (a2b2 + t0)));
     color t1 = a2b2 + mu * mu;
@@ -48,8 +47,9 @@ float fresnel_change(Colour c, float theta, float width, output color least)
     least = mirror;
     if (c.choice == FRESNEL_CONSTANT)
         return 0.0;
+    // To either side, no further than light goes.
     least = min(mirror, min(fresnel_factor(c, cos(max(theta - width, 0.0))),
                             fresnel_factor(c, cos(min(theta + width, M_PI_2)))));
     color change = mirror - least;
-    return (change[0] + change[1] + change[2]) / max(mirror[0] + mirror[1] + mirror[2], 1e-6);
+    return (change[0] + change[1] + change[2]) / max(mirror[0] + mirror[1] + mirror[2], LEAST_FACTOR);
 }

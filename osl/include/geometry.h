@@ -1,6 +1,15 @@
 // The local frame: x lies in the plane of incidence on the view's side, z is the shading normal. In it the view is
 // (sin, 0, cos). Everything is computed there; only closures are given world vectors.
 
+#define NO_LENGTH2 1e-8      // squared length below which a socket's vector has no direction,
+#define NO_PLANE2 1e-12      // and a view lies along the normal
+#define LOWEST_MIRROR 0.01   // sine of the height that mirror directions are bent to,
+#define LOWEST_OF_VIEW 0.9   // or this part of the view's,
+#define BENT_BEYOND 1.01     // and a little further
+#define LOWEST_VIEW 1e-4     // cosine of a view, in the frame of a tangent
+#define ALONG_AXIS 0.7       // of a normal: where another axis is taken for a tangent,
+#define ALONG_TANGENT 0.9    // and where one is given and lies along the normal
+
 struct Frame {
     vector x;
     vector y;
@@ -10,6 +19,8 @@ struct Frame {
 
 vector to_world(Frame f, vector v) { return v[0] * f.x + v[1] * f.y + v[2] * f.z; }
 
+vector to_local(Frame f, vector v) { return vector(dot(v, f.x), dot(v, f.y), dot(v, f.z)); }
+
 // Mirror direction of a local view.
 vector mirror_of(vector view) { return vector(-view[0], -view[1], view[2]); }
 
@@ -17,12 +28,12 @@ vector mirror_of(vector view) { return vector(-view[0], -view[1], view[2]); }
 // glossy closure by itself; doing it once, before anything is weighed, keeps base and splats consistent.
 normal valid_normal(normal shading, normal geometric, vector view)
 {
-    float lowest = min(0.9 * dot(geometric, view), 0.01);
+    float lowest = min(LOWEST_OF_VIEW * dot(geometric, view), LOWEST_MIRROR);
     vector mirrored = 2.0 * dot(shading, view) * shading - view;
     float height = dot(mirrored, geometric);
     if (height >= lowest)
         return shading;
-    mirrored = normalize(mirrored + 1.01 * (lowest - height) * geometric);
+    mirrored = normalize(mirrored + BENT_BEYOND * (lowest - height) * geometric);
     return normalize(mirrored + view);
 }
 
@@ -30,11 +41,12 @@ Frame make_frame(normal shading, normal geometric, vector view)
 {
     Frame f;
     f.z = valid_normal(shading, geometric, view);
+    // The plane of incidence.
     float mu = dot(f.z, view);
     vector across = view - mu * f.z;
     // At normal incidence any tangent will do.
-    if (dot(across, across) < 1e-12)
-        across = abs(f.z[0]) > 0.7 ? cross(f.z, vector(0.0, 1.0, 0.0)) : cross(f.z, vector(1.0, 0.0, 0.0));
+    if (dot(across, across) < NO_PLANE2)
+        across = abs(f.z[0]) > ALONG_AXIS ? cross(f.z, vector(0.0, 1.0, 0.0)) : cross(f.z, vector(1.0, 0.0, 0.0));
     f.x = normalize(across);
     f.y = cross(f.z, f.x);
     mu = clamp(mu, 0.0, 1.0);
@@ -48,14 +60,16 @@ Frame tangent_frame(normal shading, normal geometric, vector view, vector tangen
     Frame f;
     f.z = valid_normal(shading, geometric, view);
     vector along = tangent;
-    if (dot(along, along) < 1e-8)
+    if (dot(along, along) < NO_LENGTH2)
         along = cross(transform("object", "common", vector(0.0, 0.0, 1.0)), f.z);
+    // Across the normal; a tangent that runs along it is none.
     along -= dot(along, f.z) * f.z;
-    if (dot(along, along) < 1e-8)
-        along = abs(f.z[0]) > 0.9 ? cross(vector(0.0, 1.0, 0.0), f.z) : cross(cross(f.z, vector(1.0, 0.0, 0.0)), f.z);
+    if (dot(along, along) < NO_LENGTH2)
+        along = abs(f.z[0]) > ALONG_TANGENT ? cross(vector(0.0, 1.0, 0.0), f.z)
+                                            : cross(cross(f.z, vector(1.0, 0.0, 0.0)), f.z);
     f.x = normalize(along);
     f.y = cross(f.z, f.x);
-    vector v = vector(dot(f.x, view), dot(f.y, view), max(dot(f.z, view), 1e-4));
+    vector v = vector(dot(f.x, view), dot(f.y, view), max(dot(f.z, view), LOWEST_VIEW));
     f.view = normalize(v);
     return f;
 }

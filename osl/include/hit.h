@@ -4,26 +4,25 @@
 
 struct Hit {
     Frame frame;
+    vector up;  // geometric normal, local
     float n;
     float m;
     float theta;
 };
 
-Hit make_hit(Frame frame, float exponent)
+Hit make_hit(Frame frame, vector up, float exponent)
 {
     Hit hit;
     hit.frame = frame;
+    hit.up = up;
     hit.n = exponent;
     hit.m = lobe_phong_exponent(exponent);
     hit.theta = acos(clamp(frame.view[2], 0.0, 1.0));
     return hit;
 }
 
-Hit input_hit(float exponent, int use_roughness, float roughness, normal shading, normal surface, normal geometric,
-              vector view)
+Hit input_hit(float exponent, normal shading)
 {
-    float n = input_exponent(exponent, use_roughness, roughness);
-    // Unlinked, the socket holds zeros: the surface's own normal.
-    normal shading_normal = dot(shading, shading) > 1e-8 ? normalize(shading) : surface;
-    return make_hit(make_frame(shading_normal, geometric, view), n);
+    Frame frame = make_frame(input_normal(shading), Ng, I);
+    return make_hit(frame, to_local(frame, Ng), exponent);
 }

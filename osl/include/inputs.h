@@ -1,39 +1,52 @@
 // From the sockets to what the estimator takes: every input is held to its range, so that no value, however driven,
-// renders a NaN.
+// renders a NaN. LEAST_, MOST_ and DEFAULT_ of each parameter are written from the model's declaration.
+
+// A count, a choice, a number; a number whose NaN becomes the default; a colour.
+#define HELD(id) clamp(id, LEAST_##id, MOST_##id)
+#define NUMBER(id) input_number(id, LEAST_##id, MOST_##id, DEFAULT_##id)
+#define COLOR(id) clamp(id, color(LEAST_##id), color(MOST_##id))
+
+// What several models make of the same sockets.
+#define DRAWS(numbers) input_draws(numbers, HELD(samples), NUMBER(light_spread))
+#define INPUT_COLOUR { HELD(fresnel_type), COLOR(base_color), COLOR(f90), \
+                       clamp(ior, color(LEAST_IOR), color(MOST_ior)), COLOR(extinction) }
+
+#define STRIPES_PER_UNIT 8.0  // of the scene: of what shows that something is wrong
 
 float exponent_of_roughness(float roughness)
 {
-    float alpha = max(roughness, 1e-4) * max(roughness, 1e-4);
-    return 2.0 / (alpha * alpha) - 2.0;
+    float alpha = max(roughness, LEAST_ROUGHNESS) * max(roughness, LEAST_ROUGHNESS);
+    return BECKMANN_POWER / (alpha * alpha) - BECKMANN_POWER;
 }
 
 float input_exponent(float exponent, int use_roughness, float roughness)
 {
-    return clamp(use_roughness ? exponent_of_roughness(roughness) : exponent, 1.0, 100000.0);
+    return clamp(use_roughness ? exponent_of_roughness(roughness) : exponent, MIN_EXPONENT, MAX_EXPONENT);
 }
 
-// A number held to its range; what is none is `otherwise`.
+// Clamps to [least, most]; NaN becomes `otherwise`.
 float input_number(float value, float least, float most, float otherwise)
 {
     return isnan(value) ? otherwise : clamp(value, least, most);
 }
 
-Colour input_colour(int choice, color f0, color f90, color n, color k)
+// The shading normal: unlinked, the socket holds zeros, for the surface's own.
+normal input_normal(normal shading)
 {
-    Colour c;
-    c.choice = clamp(choice, 0, 2);
-    c.f0 = clamp(f0, color(0.0), color(1.0));
-    c.f90 = clamp(f90, color(0.0), color(1.0));
-    c.n = clamp(n, color(1e-3), color(20.0));
-    c.k = clamp(k, color(0.0), color(40.0));
-    return c;
+    return dot(shading, shading) > NO_LENGTH2 ? normalize(shading) : N;
+}
+
+Draws input_draws(vector numbers, int count, float spread)
+{
+    Draws draws = { numbers, count, 1.0, spread };
+    return draws;
 }
 
 // What a hit shows when its numbers cannot be used: magenta and black stripes. Not emission: a shader that could emit
 // makes Cycles sample the whole mesh as a lamp, at the cost of all the others.
 closure color stripes()
 {
-    color stripe = mod(floor(8.0 * (P[0] + P[1] + P[2])), 2.0) < 1.0 ? color(1.0, 0.0, 1.0) : color(0.0);
+    color stripe = mod(floor(STRIPES_PER_UNIT * (P[0] + P[1] + P[2])), 2.0) < 1.0 ? color(1.0, 0.0, 1.0) : color(0.0);
     return stripe * diffuse(N);
 }
 
@@ -48,7 +61,3 @@ closure color stale_weights(string model)
     warning("Plausible BRDF: %s was baked for other parameters than its sockets have; bake its weights again\n", model);
     return stripes();
 }
-
-float input_spread(float light_spread) { return input_number(light_spread, 0.0, 2.0, 1.0); }
-
-color input_color(color value) { return clamp(value, color(0.0), color(1.0)); }

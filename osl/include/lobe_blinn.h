@@ -2,6 +2,8 @@
 
 #include "power.h"
 
+#define LEAST_VIEW_HALF 1e-6  // V.H that is divided by
+
 // (N.H)^n
 float half_power(vector h, float n) { return power_of_rest((h[0] * h[0] + h[1] * h[1]) / (1.0 + max(h[2], 0.0)), n); }
 
@@ -14,7 +16,7 @@ float lobe_value(vector view, vector light, float n)
 float lobe_density(vector view, vector light, float n)
 {
     vector h = normalize(view + light);
-    return (n + 1.0) / M_2PI * half_power(h, n) / (4.0 * max(dot(view, h), 1e-6));
+    return (n + 1.0) / M_2PI * half_power(h, n) / (4.0 * max(dot(view, h), LEAST_VIEW_HALF));
 }
 
 vector lobe_draw(vector view, float u, float v, float n)
@@ -24,11 +26,11 @@ vector lobe_draw(vector view, float u, float v, float n)
 }
 
 // Exponent of the Phong lobe that is as wide, which scales the base lobes.
-float lobe_phong_exponent(float n) { return 0.25 * n; }
+float lobe_phong_exponent(float n) { return PHONG_PER_HALF * n; }
 
 // Width of the lobe where it is narrowest, in radians: across the plane of incidence it shrinks with N.V.
 float lobe_width(float mu_view, float n)
 {
-    float scale = 2.0 / sqrt(n);
-    return scale * min(mu_view + 0.15 * scale, 1.0);
+    float scale = HALF_WIDTH / sqrt(n);
+    return scale * min(mu_view + GRAZING_WIDTH * scale, 1.0);
 }

@@ -10,6 +10,12 @@
 #define TABLE(name) float name[]
 #endif
 
+#define TABLE_EDGE 1e-14       // squared sine at the normal that is divided by
+#define TABLE_MARK_OFF 1e-3    // by how much marks may be read wrongly: by texture() in half precision,
+#define TABLE_STAMP_OFF 5e-6   // the stamp,
+#define TABLE_HALF_OFF 2e-3    // and the middle of the mark and the first row
+#define TABLE_MOST 2.0         // no albedo is as large
+
 struct Axes {
     int columns;
     float grazing;
@@ -51,8 +57,8 @@ Row table_row(Axes axes, float exponent)
     r.k = axes.grazing * sqrt(exponent);
     r.span = asinh_positive(r.k * (axes.facing > 0.0 ? axes.facing * sqrt(exponent) : 1.0));
     r.flipped = 0;
-    // Beyond its ends a table would be read wrongly; within 1e-4 of them it is not, see SLACK in tables.py.
-    r.valid = exponent >= axes.lowest * (1.0 - 1e-4) && exponent <= axes.highest * (1.0 + 1e-4);
+    // Beyond its ends a table would be read wrongly; within a part TABLE_SLACK of them it is not.
+    r.valid = exponent >= axes.lowest * (1.0 - TABLE_SLACK) && exponent <= axes.highest * (1.0 + TABLE_SLACK);
     return r;
 }
 
@@ -80,7 +86,7 @@ float column_position(Row r, float mu)
     if (r.axes.facing == 0.0)
         t = asinh_positive(r.k * mu) / r.span * (r.axes.columns - 1);
     else
-        t = min(asinh_positive(r.k * mu / sqrt(max(1.0 - mu * mu, 1e-14))) / r.span, 1.0) * (r.axes.columns - 2);
+        t = min(asinh_positive(r.k * mu / sqrt(max(1.0 - mu * mu, TABLE_EDGE))) / r.span, 1.0) * (r.axes.columns - 2);
     int i = min((int)t, r.axes.columns - 2);
     float low = column_law(r, column_cosine(r, i));
     float high = column_law(r, column_cosine(r, i + 1));
@@ -90,7 +96,7 @@ float column_position(Row r, float mu)
 #ifdef TABLE_FILE
 
 // Blender 5.2 ignores every optional argument of texture() but alpha, and clamps to black: coordinates stay inside.
-void texel(string file, float s, float t, output float a[4])
+void texel(string file, float s, float t, output float a[TABLE_CHANNELS])
 {
     float alpha = 0.0;
     color rgb = texture(file, s, t, "alpha", alpha, "wrap", "clamp", "interp", "linear");
@@ -112,22 +118,23 @@ float row_place(Row r, float row)
 void table_check(string file, output Row r)
 {
     float height = r.axes.height + 2;
-    float marker[4];
+    float marker[TABLE_CHANNELS];
     texel(file, 0.5, 0.5 / height, marker);
-    r.valid = r.valid && abs(marker[0] + 1.0) < 1e-3 && abs(marker[1] - r.axes.stamp) < 5e-6 && abs(marker[3] - 1.0) < 1e-3;
+    r.valid = r.valid && abs(marker[0] - TABLE_MARK) < TABLE_MARK_OFF && abs(marker[1] - r.axes.stamp) < TABLE_STAMP_OFF
+           && abs(marker[3] - TABLE_FORMAT) < TABLE_MARK_OFF;
     r.flipped = marker[2] > 0.5;
-    float first[4];
-    float between[4];
-    float used[4];
+    float first[TABLE_CHANNELS];
+    float between[TABLE_CHANNELS];
+    float used[TABLE_CHANNELS];
     texel(file, 0.5, row_place(r, 1.0), first);
     texel(file, 0.5, row_place(r, 0.5), between);
     texel(file, 0.5, row_place(r, r.row + r.blend + 1.0), used);
-    r.valid = r.valid && abs(between[0] - 0.5 * (first[0] - 1.0)) < 2e-3;
-    for (int c = 0; c < 4; c += 1)
-        r.valid = r.valid && !isnan(used[c]) && used[c] > 0.0 && used[c] < 2.0;
+    r.valid = r.valid && abs(between[0] - 0.5 * (first[0] + TABLE_MARK)) < TABLE_HALF_OFF;
+    for (int i = 0; i < TABLE_CHANNELS; i += 1)
+        r.valid = r.valid && !isnan(used[i]) && used[i] > 0.0 && used[i] < TABLE_MOST;
 }
 
-void table_read(string file, Row r, float mu, int channels, output float a[4])
+void table_read(string file, Row r, float mu, int channels, output float a[TABLE_CHANNELS])
 {
     texel(file, (column_position(r, mu) + 0.5) / r.axes.columns, row_place(r, r.row + r.blend + 1.0), a);
 }
@@ -136,16 +143,16 @@ void table_read(string file, Row r, float mu, int channels, output float a[4])
 
 void table_check(float table[], output Row r) { }
 
-void table_read(float table[], Row r, float mu, int channels, output float a[4])
+void table_read(float table[], Row r, float mu, int channels, output float a[TABLE_CHANNELS])
 {
     float x = column_position(r, mu);
     int i = min((int)x, r.axes.columns - 2);
     float across = x - i;
-    int at = 4 * (r.row * r.axes.columns + i);
-    int below = at + 4 * r.axes.columns;
+    int at = TABLE_CHANNELS * (r.row * r.axes.columns + i);
+    int below = at + TABLE_CHANNELS * r.axes.columns;
     for (int c = 0; c < channels; c += 1) {
-        float top = mix(table[at + c], table[at + 4 + c], across);
-        float bottom = mix(table[below + c], table[below + 4 + c], across);
+        float top = mix(table[at + c], table[at + TABLE_CHANNELS + c], across);
+        float bottom = mix(table[below + c], table[below + TABLE_CHANNELS + c], across);
         a[c] = mix(top, bottom, r.blend);
     }
 }

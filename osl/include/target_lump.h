@@ -4,11 +4,17 @@ struct Target {
     float share;  // of the volume
 };
 
-color target_tint(Target t) { return color(1.0); }
+// The target, and the table that it reads, which no struct can hold: as parameters of functions, passed on, and from
+// the shader.
+#define TARGET_PARAMETERS Target t
+#define TARGET t
+#define TARGET_DATA t
 
-float target_gain(Target t, Disk d, Lump p, TABLE(albedos)) { return 1.0; }
+color target_tint(TARGET_PARAMETERS) { return color(1.0); }
 
-color target_density(Target t, Disk d, Lump p, vector at, Spot s, TABLE(albedos)) { return color(unit_lump(at, p.n)); }
+float target_gain(Disk d, Lump p, TARGET_PARAMETERS) { return 1.0; }
+
+color target_density(Disk d, Lump p, vector at, Spot s, TARGET_PARAMETERS) { return color(unit_lump(at, p.n)); }
 
 // The lump that the bells are made for.
-Lump target_like(Target t, Disk d, Lump p) { return p; }
+Lump target_like(Disk d, Lump p, TARGET_PARAMETERS) { return p; }

@@ -107,8 +107,8 @@ class Osl:
 
     def blank(self, model) -> Program:
         """See `Backend`: its material renders striped."""
-        text = source.assemble(model, baked=parameter_ranges.Sets((), (weights.blank(model, {}),)))
-        text = text.replace("#define MODEL_MATCHES ", "#define MODEL_MATCHES 0 && ")
+        rows = parameter_ranges.Sets((), (weights.blank(model, {}),))
+        text = source.assemble(model, baked=rows, defines={"MODEL_MATCHES": "0"})
         return self._program(model, _compiled_once(model, text))
 
     def is_cached(self, model, values, ranges) -> bool:
