@@ -4,7 +4,8 @@ import json
 import bpy
 import numpy as np
 
-from ..baking import ranges, weights_error
+from ..baking.rows import error as rows_error
+from ..baking.rows import grid
 from . import cache, groups, osl, stand_in
 from .groups import model_of
 from .replace import curves, replace_node
@@ -188,7 +189,7 @@ def range_of(node, parameter) -> tuple:
     """
     chosen = groups.pair_of(_ranges(node.node_tree).get(parameter.id))
     try:
-        return ranges.check(parameter, *(chosen or _reach(node, parameter)))
+        return grid.check(parameter, *(chosen or _reach(node, parameter)))
     except (TypeError, ValueError):  # written by hand, or keyframes that are all alike
         return parameter.usual_range(parameter.clamp(get_value(node, parameter)))
 
@@ -196,11 +197,11 @@ def range_of(node, parameter) -> tuple:
 def set_range(node, parameter, least: float, most: float):
     """Choose what a parameter is baked over where it is driven.
 
-    Raises ValueError as `baking.ranges.check`, and of a model that is not baked.
+    Raises ValueError as `grid.check`, and of a model that is not baked.
     """
     if not model_of(node).baked:
         raise ValueError(f"{model_of(node).id} follows what drives {parameter.id} as it is: it has no range")
-    chosen = {parameter.id: ranges.check(parameter, least, most)}
+    chosen = {parameter.id: grid.check(parameter, least, most)}
     groups.own(node)
     node.node_tree[groups.RANGES_KEY] = json.dumps({**_ranges(node.node_tree), **chosen})
 
@@ -267,7 +268,7 @@ def note_values(node, error: tuple | None = None, over: dict | None = None):
         if kept:
             tree[groups.RANGES_KEY] = json.dumps({**_ranges(tree), **kept})
         tree[ERROR_KEY] = cache.fetch(cache.key(model, given, "error", over),
-                                      lambda: error or weights_error.largest(model, given, over))
+                                      lambda: error or rows_error.largest(model, given, over))
         show(node)
 
 

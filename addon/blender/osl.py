@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 
-from ..baking import ranges, weights
+from ..baking.rows import grid, row_bake
 from ..shading import source
 from . import cache
 
@@ -61,7 +61,7 @@ def check_model(model):
 
 def compile_blank(model) -> str:
     """Bytecode of a baked model's shader that is for no values, and so striped. Raises OslError when it is wrong."""
-    text = source.assemble(model, baked=ranges.Sets((), (weights.blank(model, {}),)))
+    text = source.assemble(model, baked=grid.ParameterGrid((), (row_bake.blank(model, {}),)))
     return _compiled_once(model, text.replace("#define MODEL_MATCHES ", "#define MODEL_MATCHES 0 && "))
 
 

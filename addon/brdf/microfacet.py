@@ -42,3 +42,13 @@ def erfc(x):
     series = (-1.26551223, 1.00002368, 0.37409196, 0.09678418, -0.18628806, 0.27886807, -1.13520398, 1.48851587,
               -0.82215223, 0.17087277)
     return t * np.exp(-x * x + np.polynomial.polynomial.polyval(t, series))
+
+
+def beckmann_lambda(tan2):
+    """Lambda of Smith's masking for Beckmann's slopes, by the rational fit that Cycles uses, (...) of `tan2` (...).
+
+    `tan2` is the squared tangent of a direction's angle from the facet's normal, times alpha squared; with two widths,
+    (x alpha_x / z)^2 + (y alpha_y / z)^2. Source: Walter et al. 2007, the fit below eq. 27, in Heitz 2014's form.
+    """
+    a = 1.0 / np.sqrt(np.maximum(tan2, 0.39))
+    return np.where(tan2 < 0.39, 0.0, ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a))

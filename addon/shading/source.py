@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..baking import bells, ranges, weights
+from ..baking import bells
+from ..baking.rows import grid, layout, lobe_rows
 from ..brdf import images, tables
 from ..brdf.axes import SineAxis
 
@@ -24,8 +25,8 @@ def shader_path(model) -> Path:
 def assemble(model, lut: str = COMPILED, parameters: dict | None = None, driven: dict | None = None, baked=None) -> str:
     """OSL source of `model`, without includes.
 
-    A baked model's weights are those for its `parameters` and for the ranges of those `driven`, see baking/ranges.py;
-    or they are `baked`, a `ranges.Sets`.
+    A baked model's lobe rows are those for its `parameters` and for the ranges of those `driven`, see
+    baking/rows/grid.py; or they are `baked`, a `grid.ParameterGrid`.
 
     `lut` is "compiled" (tables are numbers in the text) or "file" (tables are read by texture(); their paths are the
     string parameters table_plain and table_controlled). Raises ValueError for another `lut`, brdf.TableError when a
@@ -35,7 +36,7 @@ def assemble(model, lut: str = COMPILED, parameters: dict | None = None, driven:
         raise ValueError(f"lut: {lut!r} is not one of {COMPILED}, {FILE}")
     text = _flattened(shader_path(model), set())
     if model.baked:
-        return _weights(model, parameters or {}, baked or ranges.bake(model, parameters or {}, driven)) + text
+        return _weights(model, parameters or {}, baked or grid.bake(model, parameters or {}, driven)) + text
     return _definitions(model, lut) + text
 
 
@@ -122,20 +123,20 @@ def _weights(model, parameters, baked):
     inputs = [f"{_TYPES[q.kind]} {q.id} = {_literal(_TYPES[q.kind], q.default)}" for q in model.parameters]
     driven = {each.parameter.id for each in baked.ranges}
     matches = [_matches(q, p[q.id]) for q in model.parameters if q.evaluated and q.id not in driven]
-    first = baked.sets[0]
-    layout = first.layout
-    numbers = {"VIEWS": layout.views, "AZIMUTHS": layout.azimuths, "WHOLE": int(layout.whole),
-               "STEEPEST": weights.STEEPEST, "CROWDED": weights.CROWDED, "FACETS": weights.FACETS,
-               "RINGS": layout.cell_rings, "AROUND": layout.cell_turns, "CHANNELS": baked.channels,
-               "SPIKES": weights.SPIKES if len(first.spikes) else 0, "RANGES": len(driven), "SETS": len(baked.sets)}
+    first = baked.nodes[0]
+    views = first.layout
+    numbers = {"VIEWS": views.views, "AZIMUTHS": views.azimuths, "WHOLE": int(views.whole),
+               "STEEPEST": layout.STEEPEST, "CROWDED": layout.CROWDED, "FACETS": lobe_rows.FACETS,
+               "RINGS": views.cell_rings, "AROUND": views.cell_turns, "CHANNELS": baked.channels,
+               "SPIKES": lobe_rows.SPIKES if len(first.spike) else 0, "RANGES": len(driven), "SETS": len(baked.nodes)}
     lines = [f"#define W_{name} {value}" for name, value in numbers.items()]
     lines += [f"#define RANGE_PLACES {', '.join(map(_place, baked.ranges))}",
               f"#define RANGE_STEPS {', '.join(str(each.steps) for each in baked.ranges)}",
-              f"#define RANGE_SLOTS {', '.join(map(str, baked.slots))}",
+              f"#define RANGE_SLOTS {', '.join(map(str, baked.storage_index))}",
               f"#define MODEL {model.id}", f'#define MODEL_LABEL "{model.label}"',
               "#define MODEL_PARAMETERS " + ", ".join(inputs), "#define MODEL_MATCHES " + (" && ".join(matches) or "1"),
-              "#define DATA_PARAMETERS " + _array("weights", np.concatenate([_set(one, baked.channels)
-                                                                             for one in baked.held]))]
+              "#define DATA_PARAMETERS " + _array("weights", np.concatenate([_flat(rows, baked.channels)
+                                                                             for rows in baked.stored]))]
     return "\n".join(lines) + "\n"
 
 
@@ -146,10 +147,18 @@ def _place(driven):
     return f"range_place({value}, {driven.least!r}, {driven.most!r}, {driven.steps}, {int(driven.geometric)})"
 
 
-def _set(one, channels):
-    """The numbers of one set of weights, with as many `channels` as all sets have."""
-    return np.concatenate([[*one.layout.stretch, one.brightness], one.with_channels(channels).rows.ravel(),
-                           one.spikes.ravel()])
+def _flat(rows, channels):
+    """The numbers of lobe rows as osl/include/weights.h reads them, with the `channels` that all nodes of a grid have.
+
+    Before all rows stand three numbers: the stretch of rings along x and y, and the brightness. A row is the residual's
+    albedo; its facets, seven numbers each; the diffuse colour; the residual's edges, and its energies. The spike's
+    colours end it.
+    """
+    facets, residual = rows.facets, rows.with_channels(channels).residual
+    seven = np.concatenate([facets.slopes, facets.widths, facets.colour], axis=-1)
+    arrays = (residual.albedo, seven, rows.diffuse, residual.ring_edges, residual.cell_edges, residual.energies)
+    table = np.concatenate([array.reshape(len(rows), -1) for array in arrays], axis=1)
+    return np.concatenate([[*rows.layout.stretch, rows.brightness], table.ravel(), rows.spike.ravel()])
 
 
 def _literal(kind, value):
