@@ -276,7 +276,7 @@ TABLES = (
              "test_stretched_rows_are_the_formula")),
     Mutation("facets-in-pairs", f"{_LOBE_ROWS}/facets.py", "facet_value((slopes[0], -slopes[1]), widths, view, light)",
              "facet_value((slopes[0], slopes[1]), widths, view, light)", _ROWS),
-    Mutation("base-ramp-height", "addon/baking/base.py", "height = (m if ramp.crease else e) + 2.0",
+    Mutation("base-ramp-height", "addon/baking/base_lobes/closures.py", "height = (m if ramp.crease else e) + 2.0",
              "height = (m if ramp.crease else e) + 1.9", _in("base_lobes", "test_a_node_fitted_again_is_the_shipped")),
     Mutation("bells-not-staggered", "addon/baking/bells.py", "phi = 2.0 * np.pi * (k + 0.5 * (i % 2)) / count",
              "phi = 2.0 * np.pi * k / count",

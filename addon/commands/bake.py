@@ -94,16 +94,17 @@ def _bake(arguments, size):
 
 def _fit_base_lobes(arguments):
     try:
-        from ..baking import base, bells
+        from ..baking import bells
+        from ..baking.base_lobes import fit
 
         start = time.monotonic()
         for done, total in bells.fit():
             _progress(done, total, "bells")
-        for done, total in base.fit(arguments.workers):
+        for done, total in fit.fit(arguments.workers):
             _progress(done, total, "base lobes")
     except ModuleNotFoundError:
         raise CommandError("fitting base lobes needs SciPy: pip install 'plausible-brdf[bake]'") from None
-    print(f"{tables.folder() / bells.FILE}\n{tables.folder() / base.FILE}\nfitted in {time.monotonic() - start:.1f} s")
+    print(f"{tables.folder() / bells.FILE}\n{tables.folder() / fit.FILE}\nfitted in {time.monotonic() - start:.1f} s")
 
 
 def _state_weights(arguments):

@@ -199,7 +199,7 @@ def _bells_of(path, _):
 
 
 def _base(family):
-    """Macros and array parameters of the base lobes of a family, see addon/baking/base.py."""
+    """Macros and array parameters of the base lobes of a family, see addon/baking/base_lobes."""
     path = _OSL.parent / "luts" / "base_lobes.json"
     return _base_of(family, path, images.stamp(path))
 
