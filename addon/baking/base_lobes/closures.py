@@ -9,14 +9,24 @@ import numpy as np
 
 from ...brdf.lobes import BLINN, PHONG
 from ...brdf.microfacet import beckmann_lambda
+from ..closures import (
+    CREASE_COSINE,
+    CREASE_LEAN,
+    GRAZING_WIDTH,
+    LEAN_DOWN,
+    LEAN_MARGIN,
+    LEAN_UP,
+    LEANEST,
+    LEVELS,
+    PHONG_PER_HALF,
+    SHARPEST,
+    VIEW_SLOPE_SHARE,
+)
 
-LEVELS = 8  # colours of a phong_ramp
 GRAZING = 0.3  # of the lobe's scale: how far the mean of N·L over a lobe at grazing lies above N·V
 FEATURES = (0.0, 0.8, 2.5)  # widths from the mirror direction towards the normal where the gain is read
 HIGHEST = 1e5  # exponent at v = 0
 STEEPEST = np.radians(89.9)  # view
-LEANEST = 0.02  # lean of a facet times the lobe's width: before Blender 5, Cycles lights them from below the horizon
-SHARPEST = 5e5  # exponent of a crease's phong_ramp: single precision knows no more
 
 
 @dataclass(frozen=True)
@@ -75,12 +85,12 @@ class Family:
 
     def phong_exponent(self, n):
         """Exponent m of the Phong lobe that is as wide."""
-        return n if self.lobe is PHONG else 0.25 * n
+        return n if self.lobe is PHONG else PHONG_PER_HALF * n
 
     def width(self, mu_view, n):
         """Width of the lobe where it is narrowest, in radians: a half-vector lobe's shrinks with N·V, across."""
         s = 1.0 / np.sqrt(self.phong_exponent(n))
-        return s if self.lobe is PHONG else s * min(mu_view + 0.15 * s, 1.0)
+        return s if self.lobe is PHONG else s * min(mu_view + GRAZING_WIDTH * s, 1.0)
 
     @property
     def columns(self):
@@ -105,9 +115,10 @@ def axis_of(ramp: Ramp, theta, m):
     """
     s, height = 1.0 / np.sqrt(m), 0.5 * np.pi - theta
     if not ramp.crease:
-        return np.clip(ramp.lean * s, -0.6 * max(height - 0.03, 0.0), np.pi - height - 0.3), m * ramp.sharp
-    lean = max(min(ramp.lean * s, theta), 0.1 * s)
-    return lean, min(np.log(ramp.crease / (LEVELS - 1)) / np.log(max(np.cos(lean), 0.03)), SHARPEST)
+        lean = np.clip(ramp.lean * s, -LEAN_DOWN * max(height - LEAN_MARGIN, 0.0), np.pi - height - LEAN_UP)
+        return lean, m * ramp.sharp
+    lean = max(min(ramp.lean * s, theta), CREASE_LEAN * s)
+    return lean, min(np.log(ramp.crease / (LEVELS - 1)) / np.log(max(np.cos(lean), CREASE_COSINE)), SHARPEST)
 
 
 def ramp(ramp: Ramp, view, light, m):
@@ -171,7 +182,7 @@ def view_of(family: Family, u, v):
 def view_coordinate(family: Family, theta, n):
     """The coordinate u, 0..1, of a view at `theta` in radians, see `Family`."""
     w = np.tan(theta) / np.sqrt(family.phong_exponent(n))
-    return 0.5 * w / (1.0 + w) + theta / np.pi
+    return VIEW_SLOPE_SHARE * w / (1.0 + w) + theta / np.pi
 
 
 def feature_cosines(family: Family, theta, n):

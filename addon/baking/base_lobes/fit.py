@@ -17,9 +17,10 @@ from dataclasses import asdict
 import numpy as np
 
 from ...brdf import tables
+from ..closures import HOLE_EDGE, LEVELS, SLOTS
 from ..files import replace_text
 from ..workers import mapped
-from .closures import FAMILIES, FEATURES, GRAZING, LEVELS, Family, columns, view_of
+from .closures import FAMILIES, FEATURES, GRAZING, Family, columns, view_of
 from .targets import GAINS, lights, targets
 
 FILE = "base_lobes.json"
@@ -27,7 +28,6 @@ FILE = "base_lobes.json"
 DRAWN = 0.6  # exponent of the lobe that kernels are sampled from, in parts of n: wider, as the residual is
 FAINTEST = 1e-3  # of that lobe's peak, added to it: far out on the lobe nothing is ever sampled
 HOLE = 0.4  # radius of the widest holes, which are kernels that take away, in parts of the lobe's width
-HOLE_EDGE = 1.3  # where a hole ends, in parts of its radius: above the horizon
 ABOVE, BELOW = 30.0, 1e4  # what more it counts to be above the target by more than holes take away, and below zero
 ROUNDS = 8
 
@@ -147,9 +147,9 @@ def _packed(family, coefficients, residual):
     """
     rows = np.zeros((len(FEATURES), 3 * stride(family)))
     ramps, facets = len(family.ramps), len(family.facets)
-    levels = np.zeros((len(FEATURES), ramps, LEVELS + 1))
+    levels = np.zeros((len(FEATURES), ramps, SLOTS))
     levels[:, :, :LEVELS] = coefficients[:, : LEVELS * ramps].reshape(len(FEATURES), ramps, LEVELS)
     levels[:, 0, LEVELS] = residual
-    rows[:, : 9 * ramps] = levels.reshape(len(FEATURES), -1)
-    rows[:, 9 * ramps : 9 * ramps + facets] = coefficients[:, LEVELS * ramps :]
+    rows[:, : SLOTS * ramps] = levels.reshape(len(FEATURES), -1)
+    rows[:, SLOTS * ramps : SLOTS * ramps + facets] = coefficients[:, LEVELS * ramps :]
     return rows.ravel()

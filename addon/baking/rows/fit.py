@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..closures import NARROWEST_FACET
 from .facets import is_useful, row_facet_value
 from .lobe_rows import FACETS
 
@@ -21,7 +22,7 @@ POSITIONS = ((0.0, 0.0), (-1.0, 0.0), (1.0, 0.0), (-2.0, 0.0), (2.0, 0.0), (0.0,
 STRETCHED_POSITIONS = tuple((x, y) for x in (-1.0, 0.0, 1.0) for y in (-1.0, 0.0, 1.0)) + (
     (-2.0, 0.0), (2.0, 0.0), (0.0, -2.0), (0.0, 2.0))
 WIDEST_PAIR = 1.3  # width of a candidate off the plane of incidence
-NARROWEST, WIDEST = 5e-4, 1.0  # widths of closures: Cycles takes narrower ones for mirrors
+WIDEST = 1.0  # width of a closure
 # (slopes, widths) of candidates for light that is spread over the whole hemisphere.
 BROAD = (((0.0, 0.0), (1.0, 1.0)), ((-0.5, 0.0), (1.0, 1.0)), ((0.5, 0.0), (1.0, 1.0)), ((0.0, 0.0), (0.5, 0.5)))
 
@@ -107,7 +108,7 @@ def _candidates(view_slice, density):
         for x, y in POSITIONS if view_slice.layout.azimuths == 1 else STRETCHED_POSITIONS:
             if not y or width < WIDEST_PAIR:
                 slopes = (middle[0] + x * spread[0], middle[1] + y * spread[1])
-                found.append((slopes, tuple(np.clip(np.sqrt(2.0) * width * spread, NARROWEST, WIDEST))))
+                found.append((slopes, tuple(np.clip(np.sqrt(2.0) * width * spread, NARROWEST_FACET, WIDEST))))
     return [facet for facet in found if is_useful(view_slice.view, facet[0])]
 
 
