@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 import versions
 
-from addon.baking import ranges, weights, weights_error
+from addon.baking.rows import error as rows_error
+from addon.baking.rows import grid, layout, lobe_rows, row_bake
 from addon.brdf import MODELS, tables
 from addon.shading import source
 
@@ -31,13 +32,12 @@ def no_weights(monkeypatch):
     from addon.blender.host import cache
 
     monkeypatch.setattr(cache, "_memory", {})
-    monkeypatch.setattr(ranges, "_kept", {})
-    tiny = weights.Layout(views=1, azimuths=1, turns=1, cell_rings=1, cell_turns=1)
-    few = weights.Weights(tiny, np.zeros((1, weights.numbers(tiny, 1))), np.zeros((0, 3)), 1, np.zeros(1))
-    known = weights_error.WeightsError(np.zeros(1), np.array([0.012]), np.array([-0.001]))
-    monkeypatch.setattr(weights, "weights", lambda *_: few)
-    monkeypatch.setattr(weights_error, "error", lambda model, parameters: known)
-    monkeypatch.setattr(weights_error, "largest", lambda *_: known.largest())
+    monkeypatch.setattr(grid, "_kept", {})
+    few = lobe_rows.LobeRows.zeros(layout.Layout(views=1, azimuths=1, turns=1, cell_rings=1, cell_turns=1))
+    known = rows_error.RowsError(np.zeros(1), np.array([0.012]), np.array([-0.001]))
+    monkeypatch.setattr(row_bake, "bake", lambda *_: few)
+    monkeypatch.setattr(rows_error, "error", lambda model, parameters: known)
+    monkeypatch.setattr(rows_error, "largest", lambda *_: known.largest())
 
 
 @pytest.fixture

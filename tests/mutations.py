@@ -235,7 +235,7 @@ def _bell_share(path):
 
 
 _AGAIN = _in("baking", "test_a_row_baked_again_is_the_same")
-_WEIGHTS = "addon/baking/weights.py"
+_LOBE_ROWS = "addon/baking/rows"
 _ROWS = _in("weights", "test_rows_are_the_formula")
 
 TABLES = (
@@ -265,22 +265,23 @@ TABLES = (
              "mu_light, stage - 0.01, control)\n        chain[:, stage]", _AGAIN),
     Mutation("volume-exponent", "addon/baking/volume_rows.py", "return np.stack([volume(m - 1.0, r, columns)",
              "return np.stack([volume(m - 0.99, r, columns)", _AGAIN),
-    Mutation("weights-without-cosine", _WEIGHTS, "value * (4.0 * light[lit][:, 2] * (half[lit] @ view))[:, None]",
+    Mutation("weights-without-cosine", f"{_LOBE_ROWS}/view_slice.py",
+             "value * (4.0 * light[lit][:, 2] * (half[lit] @ view))[:, None]",
              "value * (4.0 * (half[lit] @ view))[:, None]", _ROWS),
-    Mutation("weights-one-percent", _WEIGHTS, "energies = np.array(energies) * layout.cell_rings",
-             "energies = 0.95 * np.array(energies) * layout.cell_rings",
+    Mutation("weights-one-percent", f"{_LOBE_ROWS}/residual.py", "energies = energies * view_slice.layout.cell_rings",
+             "energies = 0.95 * energies * view_slice.layout.cell_rings",
              _ROWS + _in("weights_error", "test_the_albedo_between_rows")),
-    Mutation("facet-masking", _WEIGHTS, "1.0 + _lambda(v, widths) + _lambda(lit, widths)",
+    Mutation("facet-masking", f"{_LOBE_ROWS}/facets.py", "1.0 + _lambda(v, widths) + _lambda(lit, widths)",
              "1.0 + _lambda(v, widths) + _lambda(v, widths)", _ROWS + _in("weights",
              "test_stretched_rows_are_the_formula")),
-    Mutation("facets-in-pairs", _WEIGHTS, "facet_value((slopes[0], -slopes[1]), widths, look.view, light)",
-             "facet_value((slopes[0], slopes[1]), widths, look.view, light)", _ROWS),
-    Mutation("base-ramp-height", "addon/baking/base.py", "height = (m if ramp.crease else e) + 2.0",
+    Mutation("facets-in-pairs", f"{_LOBE_ROWS}/facets.py", "facet_value((slopes[0], -slopes[1]), widths, view, light)",
+             "facet_value((slopes[0], slopes[1]), widths, view, light)", _ROWS),
+    Mutation("base-ramp-height", "addon/baking/base_lobes/closures.py", "height = (m if ramp.crease else e) + 2.0",
              "height = (m if ramp.crease else e) + 1.9", _in("base_lobes", "test_a_node_fitted_again_is_the_shipped")),
     Mutation("bells-not-staggered", "addon/baking/bells.py", "phi = 2.0 * np.pi * (k + 0.5 * (i % 2)) / count",
              "phi = 2.0 * np.pi * k / count",
              _in("bells", "test_bells_are_hardly_above_the_lump_and_many_leave_less_than_few")),
-    Mutation("weights-error-one-side", "addon/baking/weights_error.py",
+    Mutation("weights-error-one-side", f"{_LOBE_ROWS}/error.py",
              "return (np.abs(off).sum(axis=(0, 1)) / whole).max()",
              "return (np.maximum(off, 0.0).sum(axis=(0, 1)) / whole).max()",
              _in("weights_error", "test_wrong_weights_are_told")),
@@ -389,7 +390,7 @@ SHADERS = (
                  "{'roughness_u': (0.1, 0.13)}-{'roughness_v': 0.12}-0.0025]")),
     Mutation("shader-ranges-weight", f"{_INCLUDE}/rows.h", "places, steps) * (all / likely[set]);",
              "places, steps) * 3.0;", _in("render_ranges", "test_a_texture_is_followed_from_point_to_point")),
-    Mutation("ranges-steps", "addon/baking/ranges.py", "(2.0 if ends.parameter.logarithmic else 1.0)",
+    Mutation("ranges-steps", f"{_LOBE_ROWS}/grid.py", "(2.0 if ends.parameter.logarithmic else 1.0)",
              "(8.0 if ends.parameter.logarithmic else 1.0)", _in("ranges",
              "test_exponents_go_in_the_squares_of_these")),
 )

@@ -264,16 +264,17 @@ def test_a_short_table_renders_its_albedo_and_stripes_beyond(short, lut, capfd):
 
 
 def test_a_baked_model_is_baked_once(bpy, monkeypatch):
-    from addon.baking import weights, weights_error
+    from addon.baking.rows import error as rows_error
+    from addon.baking.rows import row_bake
     from addon.blender.backend import osl
     from addon.blender.host import cache
     from addon.blender.material import baked_state, groups
 
-    calls, blank = [], weights.blank
+    calls, blank = [], row_bake.blank
     monkeypatch.setattr(cache, "_memory", {})
-    monkeypatch.setattr(weights, "weights", lambda model, p: calls.append("weights") or blank(model, p))
-    known = weights_error.WeightsError(np.zeros(1), np.array([0.012]), np.array([-0.001]))
-    monkeypatch.setattr(weights_error, "error", lambda model, p: calls.append("error") or known)
+    monkeypatch.setattr(row_bake, "bake", lambda model, p: calls.append("weights") or blank(model, p))
+    known = rows_error.RowsError(np.zeros(1), np.array([0.012]), np.array([-0.001]))
+    monkeypatch.setattr(rows_error, "error", lambda model, p: calls.append("error") or known)
     first = make("ward", roughness_u=0.2)
     second = make("ward", roughness_u=0.2)
     assert calls == ["weights", "error"]
@@ -316,9 +317,9 @@ def test_the_version_is_that_of_the_code(bpy, monkeypatch, tmp_path):
         cache._version.cache_clear()
         return cache._version()
 
-    for name in ("addon/brdf", "addon/baking", "addon/shading", "addon/blender", "osl/include", "luts"):
+    for name in ("addon/brdf", "addon/baking/rows", "addon/shading", "addon/blender", "osl/include", "luts"):
         (tmp_path / name).mkdir(parents=True)
-    names = ("addon/brdf/a.py", "addon/baking/weights.py", "osl/include/weights.h", "addon/blender/osl.py",
+    names = ("addon/brdf/a.py", "addon/baking/rows/fit.py", "osl/include/weights.h", "addon/blender/osl.py",
              "luts/ndf_star.exr")
     for name in names:
         (tmp_path / name).write_text("1")

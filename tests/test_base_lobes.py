@@ -219,27 +219,27 @@ def test_a_base_too_bright_or_too_dark_would_be_noticed(factor):
 
 
 def test_file_is_what_the_fit_declares():
-    from addon.baking import base
+    from addon.baking.base_lobes import closures, fit
 
-    assert (BASE["drawn"], BASE["hole"], BASE["grazing"]) == (base.DRAWN, base.HOLE, base.GRAZING)
-    assert tuple(BASE["features"]) == base.FEATURES
-    assert set(base.FAMILIES) == set(FAMILIES)
-    for name, family in base.FAMILIES.items():
+    assert (BASE["drawn"], BASE["hole"], BASE["grazing"]) == (fit.DRAWN, fit.HOLE, closures.GRAZING)
+    assert tuple(BASE["features"]) == closures.FEATURES
+    assert set(closures.FAMILIES) == set(FAMILIES)
+    for name, family in closures.FAMILIES.items():
         data = BASE["families"][name]
-        assert [base.Ramp(**r) for r in data["ramps"]] == list(family.ramps)
-        assert [base.Facet(**f) for f in data["facets"]] == list(family.facets)
+        assert [closures.Ramp(**r) for r in data["ramps"]] == list(family.ramps)
+        assert [closures.Facet(**f) for f in data["facets"]] == list(family.facets)
         for name in ("plain", "u_nodes", "v_nodes", "power"):
             assert data[name] == getattr(family, name)
-        assert data["stride"] == base.stride(family)
-        assert len(data["table"]) == family.u_nodes * family.v_nodes * len(base.FEATURES) * 3 * base.stride(family)
-    assert (tables.folder() / base.FILE).is_file()
+        assert data["stride"] == fit.stride(family)
+        assert len(data["table"]) == family.u_nodes * family.v_nodes * len(closures.FEATURES) * 3 * fit.stride(family)
+    assert (tables.folder() / fit.FILE).is_file()
 
 
 @pytest.mark.parametrize(("name", "i", "j"), [("phong", 6, 4), ("phong", 18, 8), ("blinn", 18, 12)])
 def test_a_node_fitted_again_is_the_shipped(name, i, j):
-    from addon.baking import base
+    from addon.baking.base_lobes import closures, fit
 
-    family = base.FAMILIES[name]
+    family = closures.FAMILIES[name]
     table = np.reshape(BASE["families"][name]["table"], (family.u_nodes, family.v_nodes, -1))
-    again = base.fit_node(family, i / (family.u_nodes - 1), j / (family.v_nodes - 1))
-    np.testing.assert_allclose(base._packed(family, *again), table[i, j], rtol=1e-3, atol=2e-3)
+    again = fit.fit_node(family, i / (family.u_nodes - 1), j / (family.v_nodes - 1))
+    np.testing.assert_allclose(fit._packed(family, *again), table[i, j], rtol=1e-3, atol=2e-3)

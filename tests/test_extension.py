@@ -333,15 +333,16 @@ else:
     import addon_utils
     assert addon_utils.enable("bl_ext.user_default.plausible_brdf", default_set=True)
 addon = sys.modules["bl_ext.user_default.plausible_brdf.addon"]
-from bl_ext.user_default.plausible_brdf.addon.baking import weights, weights_error
+from bl_ext.user_default.plausible_brdf.addon.baking.rows import error as rows_error
+from bl_ext.user_default.plausible_brdf.addon.baking.rows import row_bake
 from bl_ext.user_default.plausible_brdf.addon.blender.host import cache, settings
 from bl_ext.user_default.plausible_brdf.addon.blender.material import baked_state, groups
 from bl_ext.user_default.plausible_brdf.addon.blender.backend import osl
 import numpy as np
-calls, blank = [], weights.blank
-weights.weights = lambda model, p: calls.append("weights") or blank(model, p)
-known = weights_error.WeightsError(np.zeros(1), np.array([0.0125]), np.array([-0.001]))
-weights_error.error = lambda model, p: calls.append("error") or known
+calls, blank = [], row_bake.blank
+row_bake.bake = lambda model, p: calls.append("weights") or blank(model, p)
+known = rows_error.RowsError(np.zeros(1), np.array([0.0125]), np.array([-0.001]))
+rows_error.error = lambda model, p: calls.append("error") or known
 material = addon.create_material("ward", roughness_u=0.25)
 folder = settings.granted_folder("cache")
 assert len(list(folder.iterdir())) == 2 and cache.size() > 100
@@ -389,10 +390,11 @@ def listing():
 
 before = listing()
 assert not own.exists(), "nothing is made before it is needed"
-from bl_ext.user_default.plausible_brdf.addon.baking import weights, weights_error
+from bl_ext.user_default.plausible_brdf.addon.baking.rows import error as rows_error
+from bl_ext.user_default.plausible_brdf.addon.baking.rows import row_bake
 import numpy as np
-blank, known = weights.blank, weights_error.WeightsError(np.zeros(1), np.array([0.01]), np.array([0.0]))
-weights.weights, weights_error.error = lambda model, p: blank(model, p), lambda model, p: known
+blank, known = row_bake.blank, rows_error.RowsError(np.zeros(1), np.array([0.01]), np.array([0.0]))
+row_bake.bake, rows_error.error = lambda model, p: blank(model, p), lambda model, p: known
 addon.create_material("ward")
 addon.create_material("pumped_phong")
 assert bpy.ops.plausible.bake_luts(models={"edwards_fit"}, resolution="draft", highest=2.0) == {"FINISHED"}

@@ -9,7 +9,8 @@ from scipy import ndimage, stats
 from test_literature import binned, directions, even_lights
 
 from addon import cli
-from addon.baking import star, weights
+from addon.baking import star
+from addon.baking.rows import row_bake
 from addon.brdf import MODELS, exr, half_map, images, tables
 from addon.compare import properties
 from addon.fitting import match as matching
@@ -211,7 +212,7 @@ def test_images_of_no_use(tmp_path, gray, words, capsys):
     image = written(tmp_path, gray)
     up = [0.0, 0.0, 1.0]
     for call in (lambda: MODEL.evaluate(up, up, image=image), lambda: MODEL.albedo(1.0, image=image),
-                 lambda: weights.weights(MODEL, {"image": image})):
+                 lambda: row_bake.bake(MODEL, {"image": image})):
         with pytest.raises(ValueError, match="image: ") as caught:
             call()
         message = str(caught.value)

@@ -12,7 +12,9 @@ import pytest
 from pairs import toward
 
 from addon import brdf, create_material
-from addon.baking import bells, weights
+from addon.baking import bells
+from addon.baking.rows import layout as row_layout
+from addon.baking.rows import row_bake
 from addon.brdf import disk, tables
 from addon.brdf.geometry import dot, half, mirror, normalize
 from addon.brdf.lobes import BLINN, PHONG
@@ -228,13 +230,13 @@ def drawn_cells(baked, view):
     """{row: (how often, pdf)}: density of lights of the rows of weights about a view, each cell alike."""
     layout = baked.layout
     angle = np.arccos(view[2])
-    place = (layout.views - 1) * (1.0 - (1.0 - angle / weights.STEEPEST) ** (1.0 / weights.CROWDED))
+    place = (layout.views - 1) * (1.0 - (1.0 - angle / row_layout.STEEPEST) ** (1.0 / row_layout.CROWDED))
     azimuth = np.arctan2(abs(view[1]), abs(view[0])) * 2.0 / np.pi * (layout.azimuths - 1)
     rows = []
     for i, how_often in _beside(place, layout.views - 1):
         for j, and_that in _beside(azimuth, layout.azimuths - 1) if layout.azimuths > 1 else [(0, 1.0)]:
             rows.append((how_often * and_that, layout.views * j + i))
-    left = baked.rows[:, 0]
+    left = baked.residual.albedo
     parts = [(often * min(max(left[row] / 0.02, 0.05), 1.0), _cells_of(baked, row, view)) for often, row in rows
              if left[row] > 1e-5]
     return lambda light: sum(often * pdf(light) for often, pdf in parts)
@@ -246,11 +248,9 @@ def _beside(place, last):
 
 
 def _cells_of(baked, row, view):
-    layout, numbers = baked.layout, baked.rows[row]
+    layout, residual = baked.layout, baked.residual
     rings, turns = layout.cell_rings, layout.cell_turns
-    first = 1 + 7 * weights.FACETS + 3
-    s = numbers[first:first + rings + 1]
-    edges = numbers[first + rings + 1:][:rings * (turns + 1)].reshape(rings, turns + 1)
+    s, edges = residual.ring_edges[row], residual.cell_edges[row]
     sides = 2.0 if layout.azimuths == 1 else 1.0
 
     def pdf(light):
@@ -280,7 +280,7 @@ def test_cells(monkeypatch, model, given, view, everyday):
     size, cells = (SMALL if everyday else SIZE), COARSE
     lights, _ = shown(monkeypatch, model, {**given, **MANY}, view, size)
     seen = toward(*view) if brdf.MODELS[model].stretched else toward(view[0])
-    baked = weights.weights(brdf.MODELS[model], given)
+    baked = row_bake.bake(brdf.MODELS[model], given)
     assert held(lights, drawn_cells(baked, seen), cells) > sidak()
 
 
@@ -304,7 +304,7 @@ def test_a_planted_error_is_found(monkeypatch, error):
     seen = toward(*view) if getattr(brdf.MODELS[model], "stretched", None) else toward(view[0])
     chance = beside[np.isfinite(lights[:, 0])][0, 1]
     if brdf.MODELS[model].baked:
-        pdf, chance = drawn_cells(weights.weights(brdf.MODELS[model], given), seen), 1.0
+        pdf, chance = drawn_cells(row_bake.bake(brdf.MODELS[model], given), seen), 1.0
     elif brdf.MODELS[model].base_family:
         pdf = drawn_lobe(model, given, view[0])
     else:

@@ -103,11 +103,11 @@ def test_convert_keeps_the_width_of_the_lobe(bpy, no_weights, capsys):
 
 
 def test_convert_bakes_once_and_holds_at_the_end_of_a_range(bpy, monkeypatch, no_weights, capsys):
-    from addon.baking import weights
+    from addon.baking.rows import row_bake
     from addon.blender.material import baked_state, sockets
 
-    baked, few = [], weights.weights(None, None)
-    monkeypatch.setattr(weights, "weights", lambda model, parameters: baked.append((model.id, parameters)) or few)
+    baked, few = [], row_bake.bake(None, None)
+    monkeypatch.setattr(row_bake, "bake", lambda model, parameters: baked.append((model.id, parameters)) or few)
     node, words = converted(bpy, make("blinn", exponent=50.0), "cook_torrance", capsys)
     ((model_id, parameters),) = baked
     assert model_id == "cook_torrance" and not baked_state.is_stale(node)

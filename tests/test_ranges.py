@@ -1,4 +1,4 @@
-"""Weights over ranges of driven parameters: which values they are baked for, and how exact it is between these."""
+"""Lobe rows over ranges of driven parameters: which values they are baked for, and how exact it is between these."""
 import json
 from dataclasses import replace
 
@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from addon import cli
-from addon.baking import ranges, weights, weights_error
+from addon.baking.rows import error as rows_error
+from addon.baking.rows import grid, layout, row_bake
 from addon.brdf import MODELS
 from addon.brdf.pumped_model import PumpedModel
 from addon.shading import source
@@ -23,24 +24,24 @@ def directions(count=400):
 
 @pytest.fixture
 def zeros(monkeypatch):
-    """Weights that cost nothing."""
-    def few(model, parameters, layout=None):
-        return replace(weights.blank(model, parameters), layout=layout or weights.ROUND)
+    """Lobe rows that cost nothing."""
+    def few(model, parameters, common=None):
+        return replace(row_bake.blank(model, parameters), layout=common or layout.ROUND)
 
-    monkeypatch.setattr(weights, "weights", few)
-    monkeypatch.setattr(ranges, "_kept", {})
+    monkeypatch.setattr(row_bake, "bake", few)
+    monkeypatch.setattr(grid, "_kept", {})
 
 
 def steps(model, driven, **given):
     return {each.parameter.id: [each.value(i) for i in range(each.steps)]
-            for each in ranges.bake(MODELS[model], given, driven).ranges}
+            for each in grid.bake(MODELS[model], given, driven).ranges}
 
 
 def test_widths_go_in_equal_ratios(zeros):
     found = steps("cook_torrance", {"roughness": (0.1, 0.4)})["roughness"]
     assert found[0] == 0.1 and found[-1] == pytest.approx(0.4) and len(found) == 9
     np.testing.assert_allclose(np.divide(found[1:], found[:-1]), 4.0 ** (1.0 / 8.0))
-    assert max(np.divide(found[1:], found[:-1])) <= ranges.WIDER
+    assert max(np.divide(found[1:], found[:-1])) <= grid.WIDER
 
 
 def test_exponents_go_in_the_squares_of_these(zeros):
@@ -60,7 +61,7 @@ def test_what_is_linear_has_two_steps(zeros):
 
 def test_what_bends_has_more_and_what_is_not_read_one(zeros):
     metal = {"fresnel_type": "conductor"}
-    assert len(steps("blinn_fresnel", {"ior": (0.1, 3.0)}, **metal)["ior"]) == ranges.EVEN_STEPS
+    assert len(steps("blinn_fresnel", {"ior": (0.1, 3.0)}, **metal)["ior"]) == grid.EVEN_STEPS
     assert steps("blinn_fresnel", {"ior": (0.0, 20.0)})["ior"] == [(10.0, 10.0, 10.0)]
 
 
@@ -71,23 +72,23 @@ def test_narrow_lobes_are_seen(zeros):
 
 
 def test_many_sets_have_fewer_views(zeros):
-    few = ranges.bake(MODELS["blinn_fresnel"], {}, {"exponent": (30.0, 90.0)})
+    few = grid.bake(MODELS["blinn_fresnel"], {}, {"exponent": (30.0, 90.0)})
     driven = {"exponent": (30.0, 90.0), "base_color": (0.0, 1.0), "diffuse_color": (0.0, 1.0)}
-    many = ranges.bake(MODELS["blinn_fresnel"], {"fresnel_type": "schlick"}, driven)
-    assert len(many.sets) == 4 * len(few.sets) and few.sets[0].layout.views == weights.ROUND.views
-    assert many.sets[0].layout.views == round(0.8 * weights.ROUND.views)
+    many = grid.bake(MODELS["blinn_fresnel"], {"fresnel_type": "schlick"}, driven)
+    assert len(many.nodes) == 4 * len(few.nodes) and few.nodes[0].layout.views == layout.ROUND.views
+    assert many.nodes[0].layout.views == round(0.8 * layout.ROUND.views)
 
 
 def test_what_comes_back_half_way_is_read(zeros):
     """The star of an NDF map is the same after half a turn."""
-    assert len(steps("ndf_map", {"rotation": (0.0, 1.0)})["rotation"]) == ranges.EVEN_STEPS
+    assert len(steps("ndf_map", {"rotation": (0.0, 1.0)})["rotation"]) == grid.EVEN_STEPS
 
 
 def test_steps_are_for_all_that_the_others_may_be(zeros):
     """An index is read by the conductor only, which is one of the driven choices."""
     driven = {"fresnel_type": (0, 2), "ior": (0.1, 3.0)}
     found = steps("blinn_fresnel", driven, extinction=2.0)
-    assert len(found["ior"]) == ranges.EVEN_STEPS and found["fresnel_type"] == [0, 1, 2]
+    assert len(found["ior"]) == grid.EVEN_STEPS and found["fresnel_type"] == [0, 1, 2]
     # What driven parameters are otherwise changes nothing.
     assert steps("blinn_fresnel", driven, extinction=2.0, ior=2.0) == found
 
@@ -95,19 +96,19 @@ def test_steps_are_for_all_that_the_others_may_be(zeros):
 @pytest.mark.parametrize("least", np.linspace(-1.19, 1.19, 60).round(3))
 def test_rounding_leads_to_no_step_beyond(zeros, least):
     parameter = MODELS["lafortune"].parameter("cxy_1")
-    each = ranges.Range(parameter, least, 1.2, 9)
+    each = grid.Range(parameter, least, 1.2, 9)
     assert parameter.check(each.value(8)) == pytest.approx(1.2)
     exponent = MODELS["blinn_original"].parameter("exponent")
     low = 4000.0 + 50.0 * least
-    assert exponent.check(ranges.Range(exponent, low, 10000.0, 9, geometric=True).value(8)) == pytest.approx(10000.0)
+    assert exponent.check(grid.Range(exponent, low, 10000.0, 9, geometric=True).value(8)) == pytest.approx(10000.0)
 
 
 def test_sets_are_kept_while_they_are_used(zeros):
-    first = ranges.bake(MODELS["ward"], {}, {"roughness_u": (0.1, 0.2)})
-    for i in range(2 * ranges._KEPT):
-        ranges.bake(MODELS["ward"], {"roughness_v": 0.1 + 0.01 * i}, {"base_color": (0.0, 1.0)})
-        assert ranges.bake(MODELS["ward"], {}, {"roughness_u": (0.1, 0.2)}) is first
-    assert len(ranges._kept) == ranges._KEPT
+    first = grid.bake(MODELS["ward"], {}, {"roughness_u": (0.1, 0.2)})
+    for i in range(2 * grid._KEPT):
+        grid.bake(MODELS["ward"], {"roughness_v": 0.1 + 0.01 * i}, {"base_color": (0.0, 1.0)})
+        assert grid.bake(MODELS["ward"], {}, {"roughness_u": (0.1, 0.2)}) is first
+    assert len(grid._kept) == grid._KEPT
 
 
 def test_switches_have_all_their_values(zeros):
@@ -116,12 +117,12 @@ def test_switches_have_all_their_values(zeros):
 
 
 def test_sets_are_in_the_order_that_the_shader_counts(zeros):
-    sets = ranges.bake(MODELS["blinn_fresnel"], {}, {"exponent": (10.0, 20.0), "base_color": (0.0, 1.0)})
-    assert [each.parameter.id for each in sets.ranges] == ["base_color", "exponent"]
-    assert len(sets.sets) == sets.ranges[0].steps * sets.ranges[1].steps
-    assert sets.at([1, 0]) is sets.sets[sets.ranges[1].steps]
-    text = source.assemble(MODELS["blinn_fresnel"], baked=sets)
-    assert f"#define W_SETS {len(sets.sets)}\n" in text and "#define RANGE_STEPS 2, 3\n" in text
+    baked = grid.bake(MODELS["blinn_fresnel"], {}, {"exponent": (10.0, 20.0), "base_color": (0.0, 1.0)})
+    assert [each.parameter.id for each in baked.ranges] == ["base_color", "exponent"]
+    assert len(baked.nodes) == baked.ranges[0].steps * baked.ranges[1].steps
+    assert baked.at([1, 0]) is baked.nodes[baked.ranges[1].steps]
+    text = source.assemble(MODELS["blinn_fresnel"], baked=baked)
+    assert f"#define W_SETS {len(baked.nodes)}\n" in text and "#define RANGE_STEPS 2, 3\n" in text
     places = "range_place(base_color, 0.0, 1.0, 2, 0), range_place(color(exponent), 10.0, 20.0, 3, 1)"
     assert f"#define RANGE_PLACES {places}\n" in text and "#define RANGE_SLOTS 0, -1, -1, -1, -1, -1\n" in text
     assert "abs(exponent -" not in text and "abs(diffuse_color[0] -" in text
@@ -140,12 +141,12 @@ def test_sets_are_in_the_order_that_the_shader_counts(zeros):
 ])
 def test_what_is_no_range_is_told(name, driven, words):
     with pytest.raises(ValueError, match=words.replace("(", r"\(")):
-        ranges.bake(MODELS[name], {}, driven)
+        grid.bake(MODELS[name], {}, driven)
 
 
 def test_progress_is_told_and_can_end_it(zeros):
     told = []
-    ranges.bake(MODELS["ward"], {}, {"base_color": (0.0, 1.0)}, tell=lambda *each: told.append(each))
+    grid.bake(MODELS["ward"], {}, {"base_color": (0.0, 1.0)}, tell=lambda *each: told.append(each))
     assert told == [(0, 2), (1, 2), (2, 2)]
 
     def end(done, total):
@@ -153,7 +154,7 @@ def test_progress_is_told_and_can_end_it(zeros):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        ranges.bake(MODELS["ward"], {}, {"roughness_u": (0.1, 0.2)}, tell=end)
+        grid.bake(MODELS["ward"], {}, {"roughness_u": (0.1, 0.2)}, tell=end)
 
 
 # Pumped formulas have the parameters and lobes of the plain ones, and take long to look at: one stands for all.
@@ -165,11 +166,11 @@ def test_usual_ranges_hold_the_value_and_fit_into_one_shader(zeros, model):
     p = model.resolve({})
     for q in model.parameters:
         if q.can_be_driven:
-            least, most = ranges.check(q, *q.usual_range(p[q.id]))
+            least, most = grid.check(q, *q.usual_range(p[q.id]))
             assert least <= np.min(p[q.id]) <= np.max(p[q.id]) <= most
-            assert ranges.bake(model, {}, {q.id: (least, most)}).sets
+            assert grid.bake(model, {}, {q.id: (least, most)}).nodes
             for edge in (q.minimum, q.maximum):
-                ranges.check(q, *q.usual_range((edge,) * 3 if q.kind == "color" else edge))
+                grid.check(q, *q.usual_range((edge,) * 3 if q.kind == "color" else edge))
 
 
 @pytest.mark.parametrize("model", BAKED, ids=lambda model: model.id)
@@ -191,39 +192,38 @@ def test_each_channel_goes_by_its_own_values(model):
 def test_steps_that_are_too_far_apart_are_told(monkeypatch):
     """Halfway between two steps the error grows with the square of how far apart they are."""
     model, driven = MODELS["blinn_original"], {"exponent": (20.0, 45.0)}
-    within = weights_error.largest(model, {}, driven)
+    within = rows_error.largest(model, {}, driven)
     assert 0.002 < within[0] < 0.03 and within[1] < 0.02
-    monkeypatch.setattr(ranges, "WIDER", 1.5)
-    monkeypatch.setattr(ranges, "_kept", {})
-    beyond = weights_error.largest(model, {}, driven)
+    monkeypatch.setattr(grid, "WIDER", 1.5)
+    monkeypatch.setattr(grid, "_kept", {})
+    beyond = rows_error.largest(model, {}, driven)
     assert beyond[0] > 2.0 * within[0] and beyond[1] > 2.0 * within[1]
 
 
 def test_what_is_linear_is_as_exact_as_its_ends(monkeypatch):
     model, driven = MODELS["blinn_original"], {"base_color": (0.0, 1.0)}
-    exact = weights_error.error(model, {}).largest()
-    assert weights_error.largest(model, {}, driven)[0] < exact[0] + 2e-3
-    white = weights.weights(model, {})
-    brighter = white.rows.copy()
-    brighter[:, 1 : 1 + weights.FACETS * weights.FACET].reshape(len(brighter), weights.FACETS, -1)[..., 4:] *= 1.1
-    monkeypatch.setattr(ranges, "_kept", {})
-    real = weights.weights
-    monkeypatch.setattr(weights, "weights", lambda m, p, layout=None: replace(white, rows=brighter)
-                        if p["base_color"] == (1.0, 1.0, 1.0) else real(m, p, layout))
-    assert weights_error.largest(model, {}, driven)[1] > 0.05
+    exact = rows_error.error(model, {}).largest()
+    assert rows_error.largest(model, {}, driven)[0] < exact[0] + 2e-3
+    white = row_bake.bake(model, {})
+    brighter = replace(white, facets=replace(white.facets, colour=1.1 * white.facets.colour))
+    monkeypatch.setattr(grid, "_kept", {})
+    real = row_bake.bake
+    monkeypatch.setattr(row_bake, "bake", lambda m, p, common=None: brighter
+                        if p["base_color"] == (1.0, 1.0, 1.0) else real(m, p, common))
+    assert rows_error.largest(model, {}, driven)[1] > 0.05
 
 
 def test_round_and_stretched_sets_share_a_layout():
     """Along a range of one slope a lobe is round at one step only: all are laid out as stretched, each to its width."""
-    sets = ranges.bake(MODELS["ward"], {"roughness_v": 0.2}, {"roughness_u": (0.2, 0.22)})
-    assert [one.layout.azimuths for one in sets.sets] == [weights.STRETCHED.azimuths] * 2
-    assert sets.sets[0].layout.stretch == (1.0, 1.0) and sets.sets[1].layout.stretch[1] < 0.95
-    assert weights_error.largest(MODELS["ward"], {"roughness_v": 0.2}, {"roughness_u": (0.2, 0.22)})[0] < 0.02
+    baked = grid.bake(MODELS["ward"], {"roughness_v": 0.2}, {"roughness_u": (0.2, 0.22)})
+    assert [rows.layout.azimuths for rows in baked.nodes] == [layout.STRETCHED.azimuths] * 2
+    assert baked.nodes[0].layout.stretch == (1.0, 1.0) and baked.nodes[1].layout.stretch[1] < 0.95
+    assert rows_error.largest(MODELS["ward"], {"roughness_v": 0.2}, {"roughness_u": (0.2, 0.22)})[0] < 0.02
 
 
 def test_brightness_is_about_the_albedo():
     model = MODELS["blinn_original"]
-    white, gray, black = (weights.weights(model, {"base_color": c}).brightness for c in (1.0, 0.5, 0.0))
+    white, gray, black = (row_bake.bake(model, {"base_color": c}).brightness for c in (1.0, 0.5, 0.0))
     assert black == 0.0 and gray == pytest.approx(0.5 * white, rel=0.02)
 
 
@@ -232,7 +232,7 @@ def test_the_command_states_it(capsys):
     assert cli.main([*arguments, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["sets"] == 2 and found["steps"] == {"exponent": [40.0, pytest.approx(50.0)]}
-    assert (found["lobe"], found["albedo"]) == weights_error.largest(
+    assert (found["lobe"], found["albedo"]) == rows_error.largest(
         MODELS["blinn_original"], {}, {"exponent": (40.0, 50.0)})
     assert cli.main(arguments) == 0
     assert "exponent: 40, 50\n" in capsys.readouterr().out

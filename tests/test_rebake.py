@@ -13,9 +13,9 @@ pytestmark = [pytest.mark.blender, pytest.mark.versions]
 @pytest.fixture
 def slow(no_weights, monkeypatch):
     """Weights that are made when `slow.set()` says so; each bake that begins is noted in `slow.begun`."""
-    from addon.baking import weights
+    from addon.baking.rows import row_bake
 
-    go, few = threading.Event(), weights.weights(None, None)
+    go, few = threading.Event(), row_bake.bake(None, None)
     go.begun = []
 
     def made(model, parameters, *_):
@@ -23,7 +23,7 @@ def slow(no_weights, monkeypatch):
         assert go.wait(20.0)
         return few
 
-    monkeypatch.setattr(weights, "weights", made)
+    monkeypatch.setattr(row_bake, "bake", made)
     return go
 
 

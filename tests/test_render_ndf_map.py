@@ -10,7 +10,7 @@ from test_render import SIGMAS, node_of, sockets_of
 from test_render_weights import is_striped, picture_of
 
 from addon import create_material, verify
-from addon.baking import weights
+from addon.baking.rows import row_bake
 from addon.blender.material import baked_state, materials, sockets
 from addon.brdf import MODELS
 
@@ -96,8 +96,8 @@ def test_a_letter_can_be_read(image_of_letter, theta, tangent):
 @pytest.mark.versions
 def test_an_image_that_changes(tmp_path, monkeypatch):
     """Painted over it makes the weights stale, gone it does not; one that is not there leaves the stand-in alone."""
-    few = weights.weights(MODELS["blinn_original"], {"exponent": 50.0})
-    monkeypatch.setattr(weights, "weights", lambda model, given: few)
+    few = row_bake.bake(MODELS["blinn_original"], {"exponent": 50.0})
+    monkeypatch.setattr(row_bake, "bake", lambda model, given: few)
     image = written(tmp_path, spot(32), "a map; \u00e4.exr")
     material = create_material("ndf_map", image=image)
     node = node_of(material)

@@ -1,11 +1,13 @@
 """Shader sources: their signatures against the declarations, and what assembling puts into them."""
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from addon.baking import ranges, weights
+from addon.baking.rows import grid, lobe_rows, row_bake
+from addon.baking.rows.layout import Layout
 from addon.brdf import MODELS, TableError, tables
 from addon.brdf.axes import SineAxis
 from addon.shading import source
@@ -200,10 +202,11 @@ def test_bells_are_put_in(model):
 @pytest.mark.parametrize("model", BAKED.values(), ids=list(BAKED))
 def test_baked_models_are_written_from_their_declaration(model, monkeypatch):
     """Their signature has what the registry declares, of the declared types, and asks for the values it is for."""
-    tiny = weights.Layout(views=2, azimuths=1, turns=1, cell_rings=1, cell_turns=1, stretch=(1.0, 0.5))
-    rows = np.arange(2.0 * (weights.numbers(tiny, 1) // 2)).reshape(2, -1)
-    few = weights.Weights(tiny, rows, np.array([[7.0, 8.0, 9.0]]), 1, np.zeros(2))
-    monkeypatch.setattr(weights, "weights", lambda of, given: few)
+    few = lobe_rows.LobeRows.zeros(Layout(views=2, azimuths=1, turns=1, cell_rings=1, cell_turns=1, stretch=(1.0, 0.5)))
+    few.facets.slopes[:] = np.arange(few.facets.slopes.size).reshape(few.facets.slopes.shape)
+    few.residual.energies[:] = [[[[0.25]]], [[[0.75]]]]
+    few = replace(few, spike=np.array([[7.0, 8.0, 9.0]]))
+    monkeypatch.setattr(row_bake, "bake", lambda of, given: few)
     text = source.assemble(model)
     assert "#include" not in text
     assert_declared(model, text)
@@ -211,8 +214,8 @@ def test_baked_models_are_written_from_their_declaration(model, monkeypatch):
     asked = set(re.findall(r"\b[a-z]\w*\b", conditions)) - {"abs", "e"}
     assert asked == {p.id for p in model.parameters if p.evaluated}
     written = array(text, "weights")
-    np.testing.assert_array_equal(written[:2], tiny.stretch)
-    np.testing.assert_allclose(written[2:], [few.brightness, *rows.ravel(), 7, 8, 9], rtol=1e-5)
+    np.testing.assert_array_equal(written[:2], few.layout.stretch)
+    np.testing.assert_allclose(written[2:], [few.brightness, *source._flat(few, 1)[3:-3], 7, 8, 9], rtol=1e-5)
     assert "#define W_CHANNELS 1\n" in text
 
 
@@ -235,7 +238,8 @@ def test_a_table_that_cannot_be_used(table_folder):
 def test_weights_hold_for_their_values_to_single_precision():
     """What is off by 1e-4 is told; what rounding makes of a value is not."""
     model = MODELS["ward"]
-    text = source.assemble(model, baked=ranges.Sets((), (weights.blank(model, {}),)), parameters={"roughness_u": 0.37})
+    blank = grid.ParameterGrid((), (row_bake.blank(model, {}),))
+    text = source.assemble(model, baked=blank, parameters={"roughness_u": 0.37})
     (condition,) = re.findall(r"^#define MODEL_MATCHES (.*)$", text, re.MULTILINE)
     value, slack = map(float, re.search(r"abs\(roughness_u - (\S+)\) <= (\S+)", condition).groups())
     assert value == pytest.approx(0.37, rel=1e-6) and 2.0**-24 * value < slack < 1e-4 * value

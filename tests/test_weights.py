@@ -1,12 +1,13 @@
-"""Baked weights: what a row of them draws is the formula, by integrals that share nothing with the bake."""
+"""Lobe rows: what a row of them draws is the formula, by integrals that share nothing with the bake."""
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from test_literature import even_lights, half_vector_lights
 
-from addon.baking import weights
+from addon.baking.rows import layout, lobe_rows, row_bake
 from addon.brdf import MODELS
+from addon.shading import source
 
 COPPER = {"fresnel_type": "schlick", "base_color": (0.95, 0.64, 0.54)}
 CASES = [
@@ -28,24 +29,21 @@ def name_of(value):
 
 
 class Row:
-    """A row read as osl/include/weights.h does."""
+    """A row as osl/include/weights.h shows it."""
 
     def __init__(self, baked, index):
-        layout, row = baked.layout, baked.rows[index]
-        self.layout, self.view, self.left = layout, layout.seen_from()[index], row[0]
-        ends = np.cumsum([1, weights.FACETS * weights.FACET, 3, layout.cell_rings + 1,
-                          layout.cell_rings * (layout.cell_turns + 1)])
-        facets, self.diffuse, self.rings, turns, energies = np.split(row, ends)[1:]
-        self.facets = facets.reshape(-1, weights.FACET)
-        self.turns = turns.reshape(layout.cell_rings, layout.cell_turns + 1)
-        self.energies = energies.reshape(layout.cell_rings, layout.cell_turns, baked.channels)
+        row = baked.row(index)
+        self.layout, self.view = baked.layout, baked.layout.view_directions()[index]
+        self.facets, self.diffuse = row.facets, row.diffuse
+        self.rings, self.turns = row.residual.ring_edges, row.residual.cell_edges
+        self.energies = row.residual.energies
 
     def base(self, light):
         """f (N·L) of the base, (N, 3): Beckmann's microfacets with Smith's masking."""
         total = light[:, 2:] / np.pi * self.diffuse
-        for x, y, width_x, width_y, *colour in self.facets[self.facets[:, 4:].any(axis=1)]:
+        for (x, y), widths, colour in self.facets.each():
             for side in ((y, -y) if y and self.layout.azimuths == 1 else (y,)):
-                total = total + beckmann((x, side), (width_x, width_y), self.view, light)[:, None] * colour
+                total = total + beckmann((x, side), widths, self.view, light)[:, None] * colour
         return total
 
     def splats(self, count=30000):
@@ -64,6 +62,11 @@ class Row:
         h = np.stack([x, y, np.sqrt(np.maximum(1.0 - x * x - y * y, 0.0))], axis=-1)
         light = 2.0 * (h @ self.view)[:, None] * h - self.view
         return light, np.where(light[:, 2:] > 0.0, self.energies[i, j], 0.0) / len(k)
+
+
+def arrays(baked):
+    """All arrays of lobe rows."""
+    return [*vars(baked.facets).values(), baked.diffuse, *vars(baked.residual).values(), baked.spike]
 
 
 def beckmann(slopes, widths, view, light):
@@ -117,12 +120,12 @@ def test_rows_are_the_formula(name, given):
     """
     model = MODELS[name]
     bound = 0.015 if name in ("phong_original", "lafortune", "pumped_lafortune") else 0.003
-    baked = weights.weights(model, given)
-    assert baked.layout == weights.ROUND
-    assert np.isfinite(baked.rows).all() and baked.rows[:, 0].min() >= 0.0
+    baked = row_bake.bake(model, given)
+    assert baked.layout == layout.ROUND
+    assert all(np.isfinite(array).all() for array in arrays(baked)) and baked.residual.albedo.min() >= 0.0
     # Cycles has 64 places for a hit's closures, and a material may hold other shaders too.
-    lit = [Row(baked, i).facets for i in range(len(baked.rows))]
-    assert max(1 + (f[:, 4:].any(axis=1) * np.where(f[:, 1] != 0.0, 2, 1)).sum() for f in lit) + 8 <= 48
+    closures = 1 + (baked.facets.used * np.where(baked.facets.slopes[..., 1] != 0.0, 2, 1)).sum(axis=1)
+    assert closures.max() + 8 <= 48
     for index in ROWS:
         assert errors(model, given, baked, index) < bound, index
     assert errors(model, given, baked, 15, scale=0.97) > bound
@@ -131,45 +134,67 @@ def test_rows_are_the_formula(name, given):
 @pytest.mark.parametrize("name, given", STRETCHED, ids=name_of)
 def test_stretched_rows_are_the_formula(name, given):
     model = MODELS[name]
-    baked = weights.weights(model, given)
-    layout = baked.layout
-    assert layout.azimuths == weights.STRETCHED.azimuths and len(baked.rows) == layout.azimuths * layout.views
+    baked = row_bake.bake(model, given)
+    azimuths, views = baked.layout.azimuths, baked.layout.views
+    assert azimuths == layout.STRETCHED.azimuths and len(baked) == azimuths * views
     for azimuth, row in ((0, 0), (1, 8), (2, 15), (4, 15)):
-        assert errors(model, given, baked, azimuth * layout.views + row) < (0.03 if name == "kajiya_kay" else 0.015)
+        assert errors(model, given, baked, azimuth * views + row) < (0.03 if name == "kajiya_kay" else 0.015)
 
 
 def test_what_is_left_to_splats():
     """Little: it is what makes noise. Of what no base closure is like, such as strands, more."""
-    shares = {name: weights.weights(MODELS[name], {}).left for name in ("ward", "cook_torrance", "blinn_fresnel",
-                                                                       "he_torrance", "lafortune")}
+    shares = {name: row_bake.bake(MODELS[name], {}).residual.share
+              for name in ("ward", "cook_torrance", "blinn_fresnel", "he_torrance", "lafortune")}
     for name in ("ward", "cook_torrance", "blinn_fresnel", "he_torrance"):
         assert np.median(shares[name]) < 0.06, name
     assert np.median(shares["lafortune"]) < 0.15
 
 
 @pytest.mark.parametrize("name, given", [("ward", {}), STRETCHED[0], ("he_torrance", {})], ids=name_of)
-def test_blank_weights_are_as_long_as_baked_ones(name, given):
-    blank, baked = weights.blank(MODELS[name], given), weights.weights(MODELS[name], given)
-    assert blank.layout == baked.layout and blank.channels == baked.channels
-    assert blank.rows.shape == baked.rows.shape and blank.spikes.shape == baked.spikes.shape
+def test_blank_rows_are_as_long_as_baked_ones(name, given):
+    blank, baked = row_bake.blank(MODELS[name], given), row_bake.bake(MODELS[name], given)
+    assert blank.layout == baked.layout and blank.channels == baked.channels and blank.numbers == baked.numbers
+    assert [array.shape for array in arrays(blank)] == [array.shape for array in arrays(baked)]
+    assert not any(array.any() for array in arrays(blank))
 
 
 def test_spikes_are_kept_apart():
-    baked = weights.weights(MODELS["he_torrance"], {"sigma": 0.02})
+    baked = row_bake.bake(MODELS["he_torrance"], {"sigma": 0.02})
     p = MODELS["he_torrance"].resolve({"sigma": 0.02})
     angles = baked.layout.view_angles()
-    np.testing.assert_allclose(baked.spikes[:: weights.SPIKES], MODELS["he_torrance"].spike(np.cos(angles), p))
-    assert len(weights.weights(MODELS["ward"], {}).spikes) == 0
+    np.testing.assert_allclose(baked.spike[:: lobe_rows.SPIKES], MODELS["he_torrance"].spike(np.cos(angles), p))
+    assert len(row_bake.bake(MODELS["ward"], {}).spike) == 0
 
 
-def test_weights_are_kept_and_the_same_again():
+def test_rows_are_kept_and_the_same_again():
     model, given = MODELS["blinn_original"], {"exponent": 33.0}
-    baked = weights.weights(model, given)
-    assert weights.weights(model, {"exponent": 33.0, "samples": 2}) is baked
-    weights._weights.cache_clear()
-    again = weights.weights(model, given)
+    baked = row_bake.bake(model, given)
+    assert row_bake.bake(model, {"exponent": 33.0, "samples": 2}) is baked
+    row_bake._baked.cache_clear()
+    again = row_bake.bake(model, given)
     assert again is not baked
-    np.testing.assert_array_equal(again.rows, baked.rows)
+    for one, other in zip(arrays(again), arrays(baked), strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_the_shader_is_given_rows_number_by_number():
+    """The order that osl/include/weights.h reads: each number is another one here."""
+    zeros = lobe_rows.LobeRows.zeros(layout.Layout(2, 1, 1, cell_rings=2, cell_turns=3, stretch=(0.5, 1.0)), 3, True)
+    numbered = list(range(1, 1 + sum(array.size for array in arrays(zeros))))
+    left = iter(numbered)
+    for array in arrays(zeros):
+        array[...] = np.reshape([next(left) for _ in range(array.size)], array.shape)
+    flat = source._flat(zeros, 3)
+    facets, residual, head, row = zeros.facets, zeros.residual, 3, zeros.numbers // 2
+    second = flat[head + row : head + 2 * row]
+    assert flat[:2].tolist() == [0.5, 1.0] and flat[2] == zeros.brightness and len(flat) == head + 2 * row + 3 * 9
+    assert second[0] == residual.albedo[1]
+    assert second[1:8].tolist() == [*facets.slopes[1, 0], *facets.widths[1, 0], *facets.colour[1, 0]]
+    assert second[8:15].tolist() == [*facets.slopes[1, 1], *facets.widths[1, 1], *facets.colour[1, 1]]
+    rest = 1 + 7 * lobe_rows.FACETS
+    assert second[rest:].tolist() == [*zeros.diffuse[1], *residual.ring_edges[1], *residual.cell_edges[1].ravel(),
+                                      *residual.energies[1].ravel()]
+    assert flat[head + 2 * row :].tolist() == zeros.spike.ravel().tolist()
 
 
 @pytest.mark.parametrize("bad", [-1e-3, np.nan, np.inf])
@@ -177,16 +202,16 @@ def test_what_is_no_reflectance(bad):
     broken = replace(MODELS["blinn_original"], id="broken",
                      lobe=lambda view, light, p: np.where(view[:, 2] < 0.9, bad, 1.0))
     with pytest.raises(ValueError, match="broken: the formula gives") as caught:
-        weights.weights(broken, {})
+        row_bake.bake(broken, {})
     assert f"{bad:g}" in str(caught.value) and "degrees" in str(caught.value)
 
 
-def test_any_formula_has_weights():
+def test_any_formula_has_rows():
     """One line of NumPy, and nothing else: here light that comes back, in a ring about the view."""
     def ring(view, light, p):
         return 0.5 * np.exp(-30.0 * ((view * light).sum(axis=1) - 0.9) ** 2)
 
     model = replace(MODELS["blinn_original"], id="ring", lobe=ring, width=lambda p: 0.2)
-    baked = weights.weights(model, {})
+    baked = row_bake.bake(model, {})
     for index in ROWS:
         assert errors(model, {}, baked, index) < 0.02, index

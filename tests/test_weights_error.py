@@ -1,4 +1,4 @@
-"""The stated error of baked weights: against sums that share nothing with it, and weights that are wrong on purpose."""
+"""The stated error of lobe rows: against sums that share nothing with it, and rows that are wrong on purpose."""
 import json
 from dataclasses import replace
 
@@ -8,7 +8,8 @@ from test_literature import half_vector_lights
 from test_weights import Row
 
 from addon import cli
-from addon.baking import weights, weights_error
+from addon.baking.rows import error as rows_error
+from addon.baking.rows import row_bake
 from addon.brdf import MODELS
 
 CASES = [("ward", {}), ("cook_torrance", {"roughness": 0.7}), ("lafortune", {}),
@@ -19,7 +20,7 @@ CASES = [("ward", {}), ("cook_torrance", {"roughness": 0.7}), ("lafortune", {}),
 def test_the_albedo_between_rows(name, given):
     """The mean of what both rows give there: bases as Cycles evaluates them, cells as the shader draws them."""
     model = MODELS[name]
-    baked, found = weights.weights(model, given), weights_error.error(model, given)
+    baked, found = row_bake.bake(model, given), rows_error.error(model, given)
     for i in (1, 3, 5):
         theta, row = found.theta[i], int(np.searchsorted(baked.layout.view_angles(), found.theta[i])) - 1
         view, shown = np.array([np.sin(theta), 0.0, np.cos(theta)]), []
@@ -38,23 +39,21 @@ def test_what_a_closure_is_has_no_error():
     """Lambert's diffuse part is a base closure itself."""
     flat = replace(MODELS["blinn_original"], id="flat", lobe=lambda view, light, p: np.full(len(view), 0.3),
                    width=lambda p: 1.0)
-    assert max(weights_error.error(flat, {}).largest()) < 2e-3
+    assert max(rows_error.error(flat, {}).largest()) < 2e-3
 
 
 @pytest.mark.parametrize("which, lobe", [("facets", 0.08), ("cells", 0.006)])
 def test_wrong_weights_are_told(monkeypatch, which, lobe):
     """Facets 10 % too bright; cells, which hold about 1 %, in the wrong rings."""
     model, given = MODELS["ward"], {}
-    baked, before = weights.weights(model, given), weights_error.error(model, given).largest()
-    rows = baked.rows.copy()
-    last = 1 + weights.FACETS * weights.FACET
+    baked, before = row_bake.bake(model, given), rows_error.error(model, given).largest()
     if which == "facets":
-        rows[:, 1:last].reshape(len(rows), weights.FACETS, weights.FACET)[..., 4:] *= 1.1
+        wrong = replace(baked, facets=replace(baked.facets, colour=1.1 * baked.facets.colour))
     else:
-        energies = baked.layout.cell_rings * baked.layout.cell_turns
-        rows[:, -energies:] = np.roll(rows[:, -energies:], energies // 2, axis=1)
-    monkeypatch.setattr(weights, "weights", lambda *_: replace(baked, rows=rows))
-    after = weights_error.error(model, given).largest()
+        rolled = np.roll(baked.residual.energies, baked.layout.cell_rings // 2, axis=1)
+        wrong = replace(baked, residual=replace(baked.residual, energies=rolled))
+    monkeypatch.setattr(row_bake, "bake", lambda *_: wrong)
+    after = rows_error.error(model, given).largest()
     assert after[0] > before[0] + lobe
     assert (after[1] > before[1] + 0.05) == (which == "facets")
 
@@ -62,7 +61,7 @@ def test_wrong_weights_are_told(monkeypatch, which, lobe):
 def test_the_command_states_it(capsys):
     assert cli.main(["bake", "--weights", "blinn_original", "--set", "exponent=30", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    error = weights_error.error(MODELS["blinn_original"], {"exponent": 30.0})
+    error = rows_error.error(MODELS["blinn_original"], {"exponent": 30.0})
     assert found["lobe"] == error.lobe.tolist() and found["rows"] == 48
     assert cli.main(["bake", "--weights", "blinn_original"]) == 0
     assert capsys.readouterr().out.count("%") == 2 * len(error.theta) + 1

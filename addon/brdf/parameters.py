@@ -1,140 +1,14 @@
-"""Parameters of a model: declared once here, and sockets, panel, command line and tests derive from it."""
+"""Groups of parameters that models share.
+
+Each is declared once, here; sockets, panel, command line, pages and tests derive from the declaration.
+"""
 import math
-import os
-from dataclasses import dataclass
 
-import numpy as np
+from .parameter import COLOR, GEOMETRY, LOBE, RETROREFLECTION, SAMPLING, Parameter  # noqa: F401 (sections, beside these)
 
-from . import images
-
-MIN_EXPONENT, MAX_EXPONENT = 1.0, 100000.0
+MIN_EXPONENT, MAX_EXPONENT = 1.0, 100000.0  # of the shaders that have tables
 LEAST_ROUGHNESS = 1e-4  # smaller ones are taken for it
 BECKMANN_POWER = 2.0  # this / alpha² - this is the half-vector power that is as wide as Beckmann's lobe
-# Where parameters are shown, in nodes, panels and pages.
-LOBE, RETROREFLECTION, COLOR, GEOMETRY, SAMPLING = "Lobe", "Retroreflection", "Color", "Geometry", "Sampling"
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One input of a model.
-
-    `kind` is "float", "int", "bool", "enum" (an int with `items`), "color" (linear RGB), "vector" or "image" (the path
-    of a file, as text).
-    `evaluated` is False for what steers only the renderer's estimator and has no meaning for the formula.
-    """
-
-    id: str
-    label: str
-    kind: str
-    default: object
-    help: str
-    minimum: float = 0.0
-    maximum: float = 1.0
-    unit: str = ""
-    items: tuple = ()
-    evaluated: bool = True
-    logarithmic: bool = False
-
-    @property
-    def section(self) -> str:
-        """Where it is shown: one of LOBE, RETROREFLECTION, COLOR, GEOMETRY, SAMPLING, by what it is."""
-        if self.kind == "vector":
-            return GEOMETRY
-        if not self.evaluated:
-            return SAMPLING
-        if self.kind in ("color", "enum"):
-            return COLOR
-        return RETROREFLECTION if self.id.startswith("retro") else LOBE
-
-    @property
-    def can_be_driven(self) -> bool:
-        """Whether a model that is baked for the parameter can be so over a range of it."""
-        return self.evaluated and self.kind not in ("image", "vector")
-
-    @property
-    def is_whole(self) -> bool:
-        """Whether it is a switch, a choice or a count, with nothing between its values."""
-        return self.kind in ("bool", "int", "enum")
-
-    @property
-    def is_width(self) -> bool:
-        """Whether it scales a lobe: equal ratios of it are equal steps."""
-        return self.kind == "float" and self.minimum > 0.0
-
-    def usual_range(self, value) -> tuple:
-        """(least, most) that what drives the parameter is taken to stay within, by a `value` that it has otherwise."""
-        if self.is_width:
-            times = 4.0 if self.logarithmic else 2.0
-            low, high = value / times, value * times
-        elif self.kind == "color" and self.maximum > 1.0:
-            low, high = 0.5 * min(value), max(2.0 * max(value), 1.0)
-        else:
-            low, high = self.minimum, self.maximum
-        return max(low, self.minimum), min(high, self.maximum)
-
-    def check(self, value):
-        """Return `value` in the parameter's type. Raises ValueError that names the value and what is allowed."""
-        if self.kind in ("color", "vector"):
-            return self._check_triple(value)
-        if self.kind == "image":
-            return self._check_path(value)
-        if self.kind == "enum" and isinstance(value, str):
-            names = [item[0] for item in self.items]
-            if value not in names:
-                raise ValueError(f"{self.id}: {value!r} is not one of {', '.join(names)}")
-            return names.index(value)
-        try:
-            number = float(value)
-        except (TypeError, ValueError):
-            raise ValueError(f"{self.id}: expected a number, got {value!r}") from None
-        if not math.isfinite(number) or not self.minimum <= number <= self.maximum:
-            raise ValueError(f"{self.id}: {number:g} is outside {self.minimum:g} .. {self.maximum:g}")
-        if self.kind == "float":
-            return number
-        if number != int(number):
-            raise ValueError(f"{self.id}: expected a whole number, got {number:g}")
-        return bool(number) if self.kind == "bool" else int(number)
-
-    def clamp(self, value):
-        """`value`, of the parameter's type, held to the range if it has one; NaN becomes the default."""
-        if self.kind == "image":
-            return value
-        if self.kind in ("color", "vector"):
-            held = [min(max(c, self.minimum), self.maximum) if c == c else d
-                    for c, d in zip(value, self.default, strict=True)]
-            return tuple(held)
-        return type(value)(min(max(value, self.minimum), self.maximum)) if value == value else self.default
-
-    def single(self, value):
-        """`value` as a socket holds it, in single precision; still within the range."""
-        if self.kind in ("color", "vector"):
-            value = tuple(float(np.float32(c)) for c in value)
-        return self.clamp(float(np.float32(value)) if self.kind == "float" else value)
-
-    def stamp(self, value) -> tuple:
-        """What changes with the file that `value` is the path of; () of any other kind, and where there is none."""
-        return images.stamp(value) if self.kind == "image" and value else ()
-
-    def _check_path(self, value):
-        if not isinstance(value, str | os.PathLike):
-            raise ValueError(f"{self.id}: expected the path of an image, got {value!r}")
-        path = os.fspath(value)
-        if not isinstance(path, str) or not path.isprintable():
-            raise ValueError(f"{self.id}: {path!r} is not the path of a file")
-        return path
-
-    def _check_triple(self, value):
-        try:
-            triple = np.asarray(value, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise ValueError(f"{self.id}: expected three numbers, got {value!r}") from None
-        if triple.ndim == 0 and self.kind == "color":
-            triple = np.full(3, float(triple))
-        if triple.shape != (3,):
-            raise ValueError(f"{self.id}: expected three numbers, got shape {triple.shape}")
-        if not np.isfinite(triple).all() or triple.min() < self.minimum or triple.max() > self.maximum:
-            raise ValueError(f"{self.id}: {triple.tolist()} is outside {self.minimum:g} .. {self.maximum:g}")
-        return tuple(triple.tolist())
 
 
 def exponent_of_roughness(roughness: float) -> float:
@@ -151,6 +25,7 @@ def roughness_of_exponent(exponent: float) -> float:
     return (BECKMANN_POWER / (float(exponent) + BECKMANN_POWER)) ** 0.25
 
 
+# The width of a Phong or Blinn lobe, by exponent or by roughness.
 SHAPE = (
     Parameter("exponent", "Exponent", "float", 20.0, "Exponent n of the lobe: larger is sharper",
               MIN_EXPONENT, MAX_EXPONENT, logarithmic=True),
@@ -158,12 +33,14 @@ SHAPE = (
     Parameter("roughness", "Roughness", "float", 0.55,
               "Roughness r with alpha = r², n = 2/alpha² - 2, held to exponents from 1 to 100000"),
 )
+# How far the albedo of a pumped model is raised.
 PUMPING = (
     Parameter("pumps", "Pumps", "float", 1.0,
               "How often the albedo is pumped up; fractions pump in part. 0 is the plain model", 0.0, 4.0),
     Parameter("control", "Controlled", "bool", True,
               "Keep the mirror image from getting brighter than what it mirrors (controlled pumping)"),
 )
+# A colour with a choice of Fresnel.
 COLOUR = (
     Parameter("base_color", "Color", "color", (1.0, 1.0, 1.0), "Reflectance at normal incidence, linear RGB", 0.0, 1.0),
     Parameter("fresnel_type", "Fresnel", "enum", 0,
@@ -177,6 +54,7 @@ COLOUR = (
     Parameter("extinction", "Extinction k", "color", (3.9, 2.45, 2.14), "Imaginary part of the index (Conductor)",
               0.0, 40.0),
 )
+# What steers the renderer only; every model has these.
 ESTIMATOR = (
     Parameter("shading_normal", "Normal", "vector", (0.0, 0.0, 0.0), "Shading normal; unlinked it is the surface's own",
               -math.inf, math.inf, evaluated=False),
@@ -187,6 +65,9 @@ ESTIMATOR = (
               "Width of the splat around each drawn direction; 0 is as narrow as can be: exact, and grainy",
               0.0, 2.0, evaluated=False),
 )
+
+
+# Of the half-vector disk's lumps (Edwards et al.).
 
 
 def _lump_exponent(name, label, default, text):
@@ -207,6 +88,7 @@ EDGE = (
     Parameter("base_color", "Color", "color", (1.0, 1.0, 1.0), "Reflectance at normal incidence, linear RGB"),
     Parameter("f90", "Edge Color", "color", (1.0, 1.0, 1.0), "Reflectance at grazing incidence"),
 )
+# Edwards' empirical model: a lump that may reflect back, over a diffuse part.
 EMPIRICAL = (
     Parameter("diffuse_color", "Diffuse Color", "color", (0.3, 0.3, 0.3), "Color of what the surface lets in"),
     Parameter("base_color", "Specular Color", "color", (0.04, 0.04, 0.04),
@@ -221,6 +103,7 @@ EMPIRICAL = (
     _lump_exponent("retro_grazing_exponent", "Retro Grazing Exponent", 100.0,
                    "Exponent of the lump that reflects back where it is seen at grazing"),
 )
+# Edwards' model for measured data: two lumps over a diffuse part.
 DATA_FIT = (
     Parameter("diffuse_color", "Diffuse Color", "color", (0.1, 0.1, 0.1), "Color of what the surface lets in"),
     Parameter("base_color", "Specular Color", "color", (0.5, 0.5, 0.5), "Reflectance at normal incidence F0", 0.0, 1.0),
@@ -233,11 +116,13 @@ DATA_FIT = (
     Parameter("renormalize", "Renormalize", "bool", True,
               "Make up for the volume that the lumps lose where they leave the disk: no light is lost"),
 )
+# The direction of stretched lobes and of images.
 TANGENT = (
     Parameter("tangent", "Tangent", "vector", (0.0, 0.0, 0.0),
               "Direction that Radius U is measured along; unlinked it runs around the object's z axis",
               -math.inf, math.inf, evaluated=False),
 )
+# A lobe as a picture.
 IMAGE = (
     Parameter("image", "Image", "image", "", "Picture of the highlight: the hemisphere of half vectors from above, the "
               "tangent to the right. Only proportions count; empty it is a star", -math.inf, math.inf),
@@ -264,12 +149,14 @@ POWERS = (
     Parameter("exponent_v", "Exponent V", "float", 50.0, "Exponent of the lobe across the tangent", 1.0, 10000.0,
               logarithmic=True),
 )
+# Of Embrechts' model.
 SMOOTHNESS = (
     Parameter("smoothness", "Smoothness s", "float", 5.0, "Smoothness s, one over the slope of the surface", 1.0,
               100.0),
     Parameter("scattering", "Scattering", "float", 1.0, "Share a_sc of the light that is scattered about the mirror "
               "direction"),
 )
+# Of He and Torrance's model: a surface's statistics and the light's wavelength.
 SURFACE = (
     Parameter("sigma", "Height σ₀", "float", 0.1, "Root mean square height of the surface in micrometres", 0.01, 1.0),
     Parameter("tau", "Correlation τ", "float", 1.7, "Correlation length of the surface in micrometres", 0.2, 20.0),

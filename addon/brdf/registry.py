@@ -34,7 +34,7 @@ class Model:
 
     @property
     def base_family(self):
-        """The family of base lobes that its shader uses, see baking/base.py; None where it uses bells on the disk."""
+        """The family of base lobes that its shader uses, see baking/base_lobes; None where it uses bells on disks."""
         return None
 
     @property

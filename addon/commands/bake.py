@@ -6,7 +6,9 @@ import time
 import numpy as np
 
 from .. import brdf
-from ..baking import bake, ranges, sizes, star, weights, weights_error
+from ..baking import bake, sizes, star
+from ..baking.rows import error as rows_error
+from ..baking.rows import grid, row_bake
 from ..brdf import tables
 from ..brdf.parameters import MAX_EXPONENT, MIN_EXPONENT
 from ..cli import CommandError
@@ -92,16 +94,17 @@ def _bake(arguments, size):
 
 def _fit_base_lobes(arguments):
     try:
-        from ..baking import base, bells
+        from ..baking import bells
+        from ..baking.base_lobes import fit
 
         start = time.monotonic()
         for done, total in bells.fit():
             _progress(done, total, "bells")
-        for done, total in base.fit(arguments.workers):
+        for done, total in fit.fit(arguments.workers):
             _progress(done, total, "base lobes")
     except ModuleNotFoundError:
         raise CommandError("fitting base lobes needs SciPy: pip install 'plausible-brdf[bake]'") from None
-    print(f"{tables.folder() / bells.FILE}\n{tables.folder() / base.FILE}\nfitted in {time.monotonic() - start:.1f} s")
+    print(f"{tables.folder() / bells.FILE}\n{tables.folder() / fit.FILE}\nfitted in {time.monotonic() - start:.1f} s")
 
 
 def _state_weights(arguments):
@@ -112,11 +115,11 @@ def _state_weights(arguments):
     if arguments.drive:
         return _state_ranges(arguments, model, given)
     start = time.monotonic()
-    baked = weights.weights(model, given)
+    rows = row_bake.bake(model, given)
     seconds = time.monotonic() - start
-    found = weights_error.error(model, given)
-    report = {"model": model.id, "seconds": round(seconds, 2), "rows": len(baked.rows), "numbers": baked.rows.size,
-              "left": float(np.median(baked.left)), "theta": np.degrees(found.theta).round(1).tolist(),
+    found = rows_error.error(model, given)
+    report = {"model": model.id, "seconds": round(seconds, 2), "rows": len(rows), "numbers": rows.numbers,
+              "left": float(np.median(rows.residual.share)), "theta": np.degrees(found.theta).round(1).tolist(),
               "lobe": found.lobe.tolist(), "albedo": found.albedo.tolist()}
     if arguments.json:
         print(json.dumps(report))
@@ -131,12 +134,12 @@ def _state_weights(arguments):
 def _state_ranges(arguments, model, given):
     driven = dict(_driven(model, each) for each in arguments.drive)
     start = time.monotonic()
-    sets = ranges.bake(model, given, driven, tell=lambda done, total: _progress(done, total, model.label))
+    baked = grid.bake(model, given, driven, tell=lambda done, total: _progress(done, total, model.label))
     seconds = time.monotonic() - start
-    lobe, albedo = weights_error.largest(model, given, driven)
-    report = {"model": model.id, "seconds": round(seconds, 2), "sets": len(sets.held), "numbers": sets.numbers,
+    lobe, albedo = rows_error.largest(model, given, driven)
+    report = {"model": model.id, "seconds": round(seconds, 2), "sets": len(baked.stored), "numbers": baked.numbers,
               "steps": {each.parameter.id: [float(np.max(each.value(i))) for i in range(each.steps)]
-                        for each in sets.ranges}, "lobe": lobe, "albedo": albedo}
+                        for each in baked.ranges}, "lobe": lobe, "albedo": albedo}
     if arguments.json:
         print(json.dumps(report))
         return
@@ -155,7 +158,7 @@ def _driven(model, text):
     except ValueError:
         raise CommandError(f"--drive: {text!r} is not PARAMETER=FROM:TO") from None
     try:
-        return name, ranges.check(model.parameter(name), least, most)
+        return name, grid.check(model.parameter(name), least, most)
     except ValueError as error:
         raise CommandError(f"--drive: {error}") from None
 

@@ -6,11 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..baking import bells, closures, weights
+from ..baking import bells, closures
+from ..baking.rows import layout, lobe_rows
 from ..brdf import fresnel, parameters, tables
 
-# What `source` writes before a set's rows.
+# What `source` writes before a set's rows, and of each facet.
 ROW_HEAD = ("stretch of rings along x", "along y", "brightness")
+ROW_FACET = ("slope x", "slope y", "width x", "width y", "red", "green", "blue")
 
 
 class Constant(NamedTuple):
@@ -61,11 +63,11 @@ SHARED = {
     "STEEP_RING_1": Constant(bells.MANY[1], ""),
     "STEEP_RING_2": Constant(bells.MANY[2], ""),
     "MOST_BELLS": Constant(1 + sum(bells.MANY), "of a lump: those, and one in the middle"),
-    # Lobe rows: addon/baking/weights.py.
-    "W_STEEPEST": Constant(weights.STEEPEST, "angle of the last row's view"),
-    "W_CROWDED": Constant(weights.CROWDED, "how much denser rows are towards grazing"),
-    "W_FACETS": Constant(weights.FACETS, "base microfacets of a row"),
-    "W_FACET": Constant(weights.FACET, "numbers of each: slopes, widths, colour"),
+    # Lobe rows: addon/baking/rows.
+    "W_STEEPEST": Constant(layout.STEEPEST, "angle of the last row's view"),
+    "W_CROWDED": Constant(layout.CROWDED, "how much denser rows are towards grazing"),
+    "W_FACETS": Constant(lobe_rows.FACETS, "base microfacets of a row"),
+    "W_FACET": Constant(len(ROW_FACET), "numbers of each: " + ", ".join(ROW_FACET)),
     "W_HEAD": Constant(len(ROW_HEAD), "numbers before a set's rows: " + ", ".join(ROW_HEAD)),
 }
 

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..baking import bells, closures, ranges, weights
+from ..baking import bells, closures
+from ..baking.rows import grid, lobe_rows
 from ..brdf import images, tables
 from ..brdf.axes import SineAxis
 from . import constants, definitions
@@ -45,8 +46,8 @@ def assemble(model, lut: str = COMPILED, parameters: dict | None = None, driven:
              defines: dict | None = None) -> str:
     """OSL source of `model`, without includes.
 
-    A baked model's weights are those for its `parameters` and for the ranges of those `driven`, see baking/ranges.py;
-    or they are `baked`, a `ranges.Sets`.
+    A baked model's lobe rows are those for its `parameters` and for the ranges of those `driven`, see
+    baking/rows/grid.py; or they are `baked`, a `grid.ParameterGrid`.
 
     `lut` is "compiled" (tables are numbers in the text) or "file" (tables are read by texture(); their paths are the
     string parameters table_plain and table_controlled). `defines` are macros to put in place of those that are written
@@ -59,7 +60,7 @@ def assemble(model, lut: str = COMPILED, parameters: dict | None = None, driven:
         raise ValueError(f"lut: {lut!r} is not one of {COMPILED}, {FILE}")
     text = _flattened(shader_path(model), chosen_headers(model), set())
     if model.baked:
-        own = _weights(model, parameters or {}, baked or ranges.bake(model, parameters or {}, driven))
+        own = _weights(model, parameters or {}, baked or grid.bake(model, parameters or {}, driven))
     else:
         own = _definitions(model, lut)
     macros = definitions.HOOKS | _signature(model) | own
@@ -169,19 +170,19 @@ def _weights(model, parameters, baked) -> dict:
     p = model.resolve(parameters)
     driven = {each.parameter.id for each in baked.ranges}
     matches = [_matches(q, p[q.id]) for q in model.parameters if q.evaluated and q.id not in driven]
-    first = baked.sets[0]
+    first = baked.nodes[0]
     layout = first.layout
     return {
         "MODEL_LABEL": f'"{model.label}"', "MODEL_MATCHES": " && ".join(matches) or "1",
         # The layout of rows.
         "W_VIEWS": layout.views, "W_AZIMUTHS": layout.azimuths, "W_WHOLE": int(layout.whole),
         "W_RINGS": layout.cell_rings, "W_AROUND": layout.cell_turns, "W_CHANNELS": baked.channels,
-        "W_SPIKES": weights.SPIKES if len(first.spikes) else 0,
+        "W_SPIKES": lobe_rows.SPIKES if len(first.spike) else 0,
         # What is driven.
-        "W_RANGES": len(driven), "W_SETS": len(baked.sets), "RANGE_PLACES": ", ".join(map(_place, baked.ranges)),
+        "W_RANGES": len(driven), "W_SETS": len(baked.nodes), "RANGE_PLACES": ", ".join(map(_place, baked.ranges)),
         "RANGE_STEPS": ", ".join(str(each.steps) for each in baked.ranges),
-        "RANGE_SLOTS": ", ".join(map(str, baked.slots)),
-        "DATA_PARAMETERS": _array("weights", np.concatenate([_set(one, baked.channels) for one in baked.held])),
+        "RANGE_SLOTS": ", ".join(map(str, baked.storage_index)),
+        "DATA_PARAMETERS": _array("weights", np.concatenate([_flat(rows, baked.channels) for rows in baked.stored])),
     }
 
 
@@ -192,10 +193,17 @@ def _place(driven):
     return f"range_place({value}, {driven.least!r}, {driven.most!r}, {driven.steps}, {int(driven.geometric)})"
 
 
-def _set(one, channels):
-    """The numbers of one set of weights, with as many `channels` as all sets have; first `constants.ROW_HEAD`."""
-    return np.concatenate([[*one.layout.stretch, one.brightness], one.with_channels(channels).rows.ravel(),
-                           one.spikes.ravel()])
+def _flat(rows, channels):
+    """The numbers of lobe rows as osl/include/weights.h reads them, with the `channels` that all nodes of a grid have.
+
+    Before all rows stand the numbers of `constants.ROW_HEAD`. A row is the residual's albedo; its facets, the numbers
+    of `constants.ROW_FACET` each; the diffuse color; the residual's edges, and its energies. The spike's colors end it.
+    """
+    facets, residual = rows.facets, rows.with_channels(channels).residual
+    numbers = np.concatenate([facets.slopes, facets.widths, facets.colour], axis=-1)
+    arrays = (residual.albedo, numbers, rows.diffuse, residual.ring_edges, residual.cell_edges, residual.energies)
+    table = np.concatenate([array.reshape(len(rows), -1) for array in arrays], axis=1)
+    return np.concatenate([[*rows.layout.stretch, rows.brightness], table.ravel(), rows.spike.ravel()])
 
 
 def _literal(kind, value):
@@ -235,7 +243,7 @@ def _bells_of(path, _):
 
 
 def _base(family):
-    """Macros and array parameters of the base lobes of a family, see addon/baking/base.py."""
+    """Macros and array parameters of the base lobes of a family, see addon/baking/base_lobes."""
     path = _OSL.parent / "luts" / "base_lobes.json"
     return _base_of(family, path, images.stamp(path))
 

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import bpy
 
-from ...baking import ranges as parameter_ranges
-from ...baking import weights
+from ...baking.rows import grid, row_bake
 from ...brdf import tables
 from ...shading import source
 from ..host import cache, table_folder
@@ -107,7 +106,7 @@ class Osl:
 
     def blank(self, model) -> Program:
         """See `Backend`: its material renders striped."""
-        rows = parameter_ranges.Sets((), (weights.blank(model, {}),))
+        rows = grid.ParameterGrid((), (row_bake.blank(model, {}),))
         text = source.assemble(model, baked=rows, defines={"MODEL_MATCHES": "0"})
         return self._program(model, _compiled_once(model, text))
 

@@ -1,7 +1,7 @@
 """The values that a node's program was made for, and whether the node still holds them."""
 import json
 
-from ...baking import weights_error
+from ...baking.rows import error as rows_error
 from .. import backend as backends
 from ..backend import pair_of, text_of
 from ..host import cache
@@ -69,7 +69,7 @@ def record(node, error: tuple | None = None, ranges: dict | None = None):
         return
     given = values(node)
     group[ERROR_KEY] = cache.fetch(cache.key(model, given, "error", ranges),
-                                   lambda: error or weights_error.largest(model, given, ranges))
+                                   lambda: error or rows_error.largest(model, given, ranges))
     update_fallback(node)
 
 

@@ -3,7 +3,7 @@ import json
 
 import numpy as np
 
-from ...baking import ranges as parameter_ranges
+from ...baking.rows import grid
 from ..backend import pair_of, text_of
 from . import groups
 from .curves import curves
@@ -42,7 +42,7 @@ def range_of(node, parameter) -> tuple:
     its socket's value."""
     chosen = pair_of(ranges_of(node.node_tree).get(parameter.id))
     try:
-        return parameter_ranges.check(parameter, *(chosen or _reach(node, parameter)))
+        return grid.check(parameter, *(chosen or _reach(node, parameter)))
     except (TypeError, ValueError):  # written by hand, or keyframes that are all alike
         return parameter.usual_range(parameter.clamp(get_value(node, parameter)))
 
@@ -50,12 +50,12 @@ def range_of(node, parameter) -> tuple:
 def set_range(node, parameter, least: float, most: float):
     """Choose the range of a parameter that is driven.
 
-    Raises ValueError as `baking.ranges.check`, and where the node's program follows its sockets.
+    Raises ValueError as `grid.check`, and where the node's program follows its sockets.
     """
     model = model_of(node)
     if groups.backend_of(node).follows_sockets(model):
         raise ValueError(f"{model.id} follows what drives {parameter.id} as it is: it has no range")
-    chosen = {parameter.id: parameter_ranges.check(parameter, least, most)}
+    chosen = {parameter.id: grid.check(parameter, least, most)}
     groups.own(node)
     keep_ranges(node.node_tree, chosen)
 

@@ -3,7 +3,8 @@ import threading
 
 import bpy
 
-from ...baking import ranges, weights_error
+from ...baking.rows import error as rows_error
+from ...baking.rows import grid
 from ..host.redraw import redraw
 from . import baked_state, driven, groups
 
@@ -165,8 +166,8 @@ class _Work(threading.Thread):
 
     def run(self):
         try:
-            ranges.bake(self.model, *self.wanted, tell=self._tell)
-            self.largest = weights_error.largest(self.model, *self.wanted)
+            grid.bake(self.model, *self.wanted, tell=self._tell)
+            self.largest = rows_error.largest(self.model, *self.wanted)
         except Exception as error:  # a thread has no caller: `look` tells
             self.error = error
 

@@ -29,7 +29,7 @@ def stretch(p):
     return np.sqrt(least / (p["exponent_u"] + 1.0)), np.sqrt(least / (p["exponent_v"] + 1.0))
 
 
-def drawn(p):
+def make_sampler(p):
     glossy = HalfPower(p["exponent_u"], p["exponent_v"])
     rest = np.mean(p["diffuse_color"]) * (1.0 - np.mean(p["base_color"]))
     return Mixture(((max(np.mean(p["base_color"]), 0.05), glossy), (rest, Cosine()))) if rest else glossy
@@ -41,5 +41,5 @@ register(FormulaModel(
     parameters=POWERS + SPECULAR + DIFFUSE + TANGENT + ESTIMATOR, tables=(),
     formula="√((n_u+1)(n_v+1)) F (N·H)^(n_u cos²φ + n_v sin²φ) / (8π V·H max(N·L, N·V)) + diffuse",
     references=(ASHIKHMIN + ", eq. 4, 5",),
-    lobe=lobe, sampler=drawn, width=lambda p: np.sqrt(2.0 / max(p["exponent_u"], p["exponent_v"])),
+    lobe=lobe, sampler=make_sampler, width=lambda p: np.sqrt(2.0 / max(p["exponent_u"], p["exponent_v"])),
     shape="exponent_u", colour=schlick, diffuse=diffuse, stretched=stretch))

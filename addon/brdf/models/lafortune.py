@@ -26,7 +26,7 @@ def lobe(view, light, p):
     return total
 
 
-def drawn(p):
+def make_sampler(p):
     def axis(i):
         return lambda view: normalize(view * [p[f"cxy_{i}"], p[f"cxy_{i}"], p[f"cz_{i}"]])
 
@@ -44,5 +44,5 @@ register(FormulaModel(
     "data",
     parameters=COSINE_LOBES + SPECULAR + DIFFUSE + ESTIMATOR, tables=(),
     formula="ρ_d/π + Σ w (n+2)/(2π) (C_xy (V_x L_x + V_y L_y) + C_z V_z L_z)^n", references=(LAFORTUNE,),
-    lobe=lobe, sampler=drawn, width=width, shape="exponent_1", alongside=("exponent_2", "exponent_3"),
+    lobe=lobe, sampler=make_sampler, width=width, shape="exponent_1", alongside=("exponent_2", "exponent_3"),
     bases=tuple(f"{c}_{i}" for i in (1, 2, 3) for c in ("cxy", "cz")), colour=constant, diffuse=lambert))

@@ -33,7 +33,7 @@ def bounded(view, light, p):
     return 4.0 * peak(view, light, p) * dot(total, total) / np.maximum(total[:, 2], 1e-9) ** 4
 
 
-def drawn(p):
+def make_sampler(p):
     """Ward's own half vectors, and Lambert's directions where there is a diffuse part."""
     specular, diffuse = np.mean(p["base_color"]), np.mean(p["diffuse_color"])
     glossy = HalfBeckmann(p["roughness_u"], p["roughness_v"])
@@ -52,8 +52,8 @@ def narrow(p):
 def declare(model_id, label, description, lobe, formula, references):
     return register(FormulaModel(
         id=model_id, label=label, description=description, parameters=SLOPES + SPECULAR + DIFFUSE + TANGENT + ESTIMATOR,
-        tables=(), formula=formula, references=references, lobe=lobe, sampler=drawn, width=narrow, shape="roughness_u",
-        colour=constant, diffuse=lambert, stretched=stretch))
+        tables=(), formula=formula, references=references, lobe=lobe, sampler=make_sampler, width=narrow,
+        shape="roughness_u", colour=constant, diffuse=lambert, stretched=stretch))
 
 
 declare("ward", "Ward", "Elliptical highlights by one exponential: dark towards grazing, without bound at the horizon",
