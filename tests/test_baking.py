@@ -8,8 +8,8 @@ import pytest
 import quadrature
 
 from addon import cli
-from addon.baking import bake, chain, workers
-from addon.brdf import exr, lobes, tables
+from addon.baking import bake, workers
+from addon.brdf import exr, lobes, pump_stages, tables
 from addon.brdf.axes import ColumnAxis, RowAxis
 from addon.brdf.tables import TABLES, Table
 
@@ -82,7 +82,7 @@ def test_chain_begins_with_the_plain_albedo(lobe):
     for n in (1.0, 2.4, 33.0, 5000.0, 100000.0):
         mu = np.array([0.0, 1e-4, 0.013, 0.3, 0.77, 0.9999, 1.0])
         exact = [quadrature.exact_a0(lobe, m, n) for m in mu]
-        np.testing.assert_allclose(chain.albedo_chain(LOBES[lobe], n, mu, False)[:, 0], exact, rtol=5e-6)
+        np.testing.assert_allclose(pump_stages.albedos(LOBES[lobe], n, mu, False)[:, 0], exact, rtol=5e-6)
 
 
 @pytest.mark.parametrize(("lobe", "n"), [("phong", 1.0), ("phong", 9.0), ("blinn", 1.0), ("blinn", 6.0)])
@@ -90,10 +90,10 @@ def test_albedos_known_in_closed_form(lobe, n):
     """Normal incidence: Phong 1; Blinn, with h the half vector's cosine, the integral of (n+8) h^(n+1) (2 h^2 - 1)."""
     by_hand = 1.0 if lobe == "phong" else (n + 8.0) * (
         2.0 * (1.0 - 2.0 ** (-(n + 4.0) / 2.0)) / (n + 4.0) - (1.0 - 2.0 ** (-(n + 2.0) / 2.0)) / (n + 2.0))
-    found = chain.albedo_chain(LOBES[lobe], n, 1.0, False)[0, 0]
+    found = pump_stages.albedos(LOBES[lobe], n, 1.0, False)[0, 0]
     assert found == pytest.approx(by_hand, rel=1e-7)
     if lobe == "phong":  # at grazing, n = 1: 3 / (2 pi) times the integral of sin^2(theta) cos(theta) cos(phi)
-        assert chain.albedo_chain(LOBES[lobe], 1.0, 0.0, False)[0, 0] == pytest.approx(1.0 / np.pi, rel=1e-7)
+        assert pump_stages.albedos(LOBES[lobe], 1.0, 0.0, False)[0, 0] == pytest.approx(1.0 / np.pi, rel=1e-7)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -3,9 +3,9 @@ import numpy as np
 import pytest
 import quadrature
 
-from addon.baking.chain import albedo_chain
 from addon.brdf import MODELS, pumping
 from addon.brdf.lobes import BLINN, PHONG
+from addon.brdf.pump_stages import albedos as stage_albedos
 
 N = 20.0
 COSINES = np.cos(np.radians([40.0, 60.0, 80.0, 85.0]))
@@ -30,7 +30,7 @@ def test_plain_phong_has_the_checked_albedos(pumps, chains):
         return model.evaluate(view, light, exponent=N, pumps=pumps, control=False)
 
     for albedos in (
-        albedo_chain(PHONG, N, COSINES, False)[:, pumps],
+        stage_albedos(PHONG, N, COSINES, False)[:, pumps],
         model.albedo(COSINES, exponent=N, pumps=pumps, control=False),
         [quadrature.albedo(evaluate, "phong", mu, N) for mu in COSINES],
         chains["phong", False].at(COSINES, pumps),
@@ -51,7 +51,7 @@ def test_controlled_phong_ends_at_the_limit_after_two_pumps(pumps, chains):
                [quadrature.albedo(lambda v, light: limit.evaluate(v, light, exponent=N), "phong", mu, N)
                 for mu in COSINES]]
     if pumps < pumping.MAX_PUMPS:
-        results += [albedo_chain(PHONG, N, COSINES, True)[:, pumps], chains["phong", True].at(COSINES, pumps)]
+        results += [stage_albedos(PHONG, N, COSINES, True)[:, pumps], chains["phong", True].at(COSINES, pumps)]
     for albedos in results:
         np.testing.assert_allclose(albedos, TWICE_CONTROLLED, rtol=0.0, atol=CHECKED)
 
@@ -76,7 +76,7 @@ def test_controlled_blinn_gains_nothing_after_the_first_pump(chains):
 def test_blinn_passes_one_at_normal_incidence_and_the_first_pump_mends_it():
     assert quadrature.exact_a0("blinn", 1.0, N) == pytest.approx(1.0607, abs=5e-5)
     assert MODELS["blinn"].albedo(1.0, exponent=N)[0] == pytest.approx(1.0607, abs=5e-5)
-    assert albedo_chain(BLINN, N, 1.0, False)[0, 0] == pytest.approx(1.0607, abs=5e-5)
+    assert stage_albedos(BLINN, N, 1.0, False)[0, 0] == pytest.approx(1.0607, abs=5e-5)
     # Exactly 1: a_0 is largest at the normal, so every light is divided by it. 1e-3 is the table's.
     assert MODELS["pumped_blinn"].albedo(1.0, exponent=N, pumps=1, control=False)[0] == pytest.approx(1.0, abs=1e-3)
 
@@ -87,7 +87,7 @@ def test_chain_agrees_with_integration_over_the_lobe(lobe, control, chains):
     """Normal to grazing. The other integration errs by up to 1e-4 (midpoint rule, curves between its views)."""
     mu = np.cos(np.radians([0.0, 20.0, 40.0, 60.0, 70.0, 80.0, 85.0]))
     expected = [[chains[lobe, control].albedo(m, stage) for stage in range(4)] for m in mu]
-    np.testing.assert_allclose(albedo_chain(LOBES[lobe], N, mu, control), expected, rtol=0.0, atol=2e-4)
+    np.testing.assert_allclose(stage_albedos(LOBES[lobe], N, mu, control), expected, rtol=0.0, atol=2e-4)
 
 
 @pytest.mark.parametrize("control", [False, True])

@@ -63,10 +63,10 @@ def test_what_is_written_is_what_is_declared():
 
 
 def test_what_is_written_of_a_baked_model_is_what_is_declared():
-    from addon.baking import ranges, weights
+    from addon.baking.rows import grid, row_bake
 
     model = MODELS["ward"]
-    macros = source._weights(model, {}, ranges.Sets((), (weights.blank(model, {}),)))
+    macros = source._weights(model, {}, grid.ParameterGrid((), (row_bake.blank(model, {}),)))
     assert set(macros) == {name for name in definitions.MODEL if name.startswith(("W_", "RANGE_"))} | {
         "MODEL_LABEL", "MODEL_MATCHES", "DATA_PARAMETERS"}
 

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from addon import cli
-from addon.baking import bake, chain, sizes
-from addon.brdf import MODELS, axes, exr, lobes, tables
+from addon.baking import bake, sizes
+from addon.brdf import MODELS, axes, exr, lobes, pump_stages, tables
 from addon.brdf.tables import TABLES, TableError
 from addon.shading import source
 
@@ -99,7 +99,7 @@ def test_a_shorter_range_is_finer(small):
         table = bake_small(**size)
         n, mu = 41.0, np.array([0.05, 0.2, 0.4])
         read = axes.read(tables.load(table), table.columns, table.rows, mu, n)[:, 0]
-        return np.abs(read / chain.albedo_chain(lobes.PHONG, n, mu, False)[:, 0] - 1.0).max()
+        return np.abs(read / pump_stages.albedos(lobes.PHONG, n, mu, False)[:, 0] - 1.0).max()
 
     whole, part = error({}), error({"lowest": 30.0, "highest": 60.0})
     assert part < 0.3 * whole and whole > 1e-3
@@ -123,7 +123,7 @@ def test_a_file_tells_its_axes_and_all_follow(small, monkeypatch):
     assert table == dataclasses.replace(SMALL, columns=axes.ColumnAxis(12, 5.0, 0.0),
                                         rows=axes.RowAxis(3, 0.1, 0.5, 2.0, 500.0))
     mu = table.columns.cosines(500.0)
-    truth = chain.albedo_chain(lobes.PHONG, 500.0, mu, False)
+    truth = pump_stages.albedos(lobes.PHONG, 500.0, mu, False)
     np.testing.assert_allclose(tables.albedos("phong", False, mu, 500.0), truth, rtol=2e-5)
     text = source.assemble(dataclasses.replace(MODELS["pumped_phong"], tables=(SMALL.name,)))
     assert f"Axes(12, 5.0, 0.0, 3, 0.1, 0.5, {table.stamp!r}, 0, 3, 2.0, 500.0)" in text

@@ -1,8 +1,7 @@
 """Rows of the albedo tables, one per exponent."""
 import numpy as np
 
-from ..brdf import axes, lobes
-from .chain import albedo_chain
+from ..brdf import axes, lobes, pump_stages
 
 QUADRATURE = "Gauss-Legendre over light angle and azimuth, 16 nodes an interval x 36"
 _LOBES = {lobe.id: lobe for lobe in (lobes.PHONG, lobes.BLINN, lobes.DISK)}
@@ -24,7 +23,7 @@ def provenance(table) -> dict:
 def nodes(table, row) -> np.ndarray:
     """a_0 .. a_3 at the columns of one row, shape (columns, 4)."""
     exponent = table.rows.exponents()[row]
-    return albedo_chain(_LOBES[table.lobe], exponent, table.columns.cosines(exponent), table.control)
+    return pump_stages.albedos(_LOBES[table.lobe], exponent, table.columns.cosines(exponent), table.control)
 
 
 def cell_errors(table, nodes, row, refined=False):
@@ -33,13 +32,13 @@ def cell_errors(table, nodes, row, refined=False):
     node_error, worst = 0.0, 0.0
     if refined:
         mu = table.columns.cosines(exponents[row])
-        truth = albedo_chain(lobe, exponents[row], mu, table.control, polar=28, azimuthal=56)
+        truth = pump_stages.albedos(lobe, exponents[row], mu, table.control, polar=28, azimuthal=56)
         node_error = float(np.abs(nodes[row] / truth - 1.0).max())
     if row + 1 < len(exponents):
         exponent = float(np.sqrt(exponents[row] * exponents[row + 1]))
         corners = table.columns.cosines(exponent)
         inside = [corners[:-1] + share * np.diff(corners) for share in (0.25, 0.5, 0.75)]
         mu = np.concatenate([corners, *inside])
-        truth = albedo_chain(lobe, exponent, mu, table.control)
+        truth = pump_stages.albedos(lobe, exponent, mu, table.control)
         worst = float(np.abs(axes.read(nodes, table.columns, table.rows, mu, exponent) / truth - 1.0).max())
     return node_error, worst

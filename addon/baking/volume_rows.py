@@ -18,9 +18,7 @@ def provenance(table) -> dict:
 def volume(exponent, radius, columns, order=8) -> np.ndarray:
     """Volume (N,) of the lump of `radius` where the disk's edge is at `columns` (N,) of the table's axis."""
     # A lump of no radius sees a straight edge; a small one sees it nearly so.
-    radius = max(radius, 1e-4)
-    centre = np.stack([1.0 - columns * radius, np.zeros_like(columns)], axis=-1)
-    return disk.Lump(np.zeros(2), np.array([radius, radius]), exponent).volume(centre, order)
+    return disk.volume_at(exponent, max(radius, 1e-4), columns, order)
 
 
 def nodes(table, row) -> np.ndarray:

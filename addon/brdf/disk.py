@@ -151,6 +151,12 @@ class Lump:
         return 1.0 - dot(left, weights)
 
 
+def volume_at(exponent: float, radius: float, distance, order: int = 8) -> np.ndarray:
+    """Volume (N,) inside the disk of a round lump whose centre is `distance` (N,), in radii, from the disk's edge."""
+    centre = np.stack([1.0 - distance * radius, np.zeros_like(distance)], axis=-1)
+    return Lump(np.zeros(2), np.array([radius, radius]), exponent).volume(centre, order)
+
+
 def _crossing(distance, radii):
     """Angle (N,) from the nearest direction at which a round lump's rim crosses the disk's; a right angle elsewhere."""
     cosine = (1.0 - distance**2 - radii[:, 0] ** 2) / np.maximum(2.0 * distance * radii[:, 0], 1e-300)

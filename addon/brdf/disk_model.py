@@ -1,9 +1,10 @@
 """Models of lumps on the halfway vector disk, with Schlick's factor at the view's angle and perhaps a diffuse part."""
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from . import disk, fresnel, tables
+from . import disk, fresnel
+from .albedos import INTEGRATED, Albedos
 from .registry import Model
 from .samplers import Cosine
 
@@ -38,11 +39,17 @@ def exponent_between(normal, grazing, mu_view):
 class DiskModel(Model):
     """f = F / (N·L) times a density of lights, made of lumps on the disk; plus (1 - F) C_d / pi with a diffuse colour.
 
-    F is Schlick's factor from `base_color` to `f90` at the view's angle (Edwards et al. eq. 30, 34).
+    F is Schlick's factor from `base_color` to `f90` at the view's angle (Edwards et al. eq. 30, 34). Where the model is
+    renormalized, a lump is divided by its volume on the disk, which `albedos` gives.
     """
 
     projection: object
     lumps: tuple
+    albedos: Albedos = field(default=INTEGRATED, kw_only=True)
+
+    def with_albedos(self, albedos):
+        """See `Model`."""
+        return replace(self, albedos=albedos)
 
     def lumps_of(self, view, p):
         """[(share (N,), Lump)] for views (N, 3)."""
@@ -59,13 +66,13 @@ class DiskModel(Model):
             centre = view[:, :2] if rule.retro else np.zeros((len(view), 2))
             lump = disk.Lump(centre, radii, exponent, 2.0 * np.pi * p.get("rotation", 0.0))
             if p.get("renormalize"):
-                share = share / tables.volumes(view[:, 2], exponent, radii[:, 0])
+                share = share / self.albedos.volumes(view[:, 2], exponent, radii[:, 0])
             found.append((share, lump))
         return found
 
     def readings(self, p) -> list:
         """See `Model`."""
-        return [(tables.VolumeTable.name, p[rule.exponent]) for rule in self.lumps if p.get("renormalize")]
+        return [(name, p[rule.exponent]) for rule in self.lumps if p.get("renormalize") for name in self.tables]
 
     def is_held(self, p) -> bool:
         """Whether a lump is shrunk already at normal incidence, or becomes so when seen from 60 degrees."""

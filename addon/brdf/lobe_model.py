@@ -1,9 +1,10 @@
 """Models of one symmetric lobe over a correction term, with a colour factor that depends on V·H."""
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from . import fresnel, pumping, tables
+from . import fresnel, pumping
+from .albedos import INTEGRATED, Albedos
 from .geometry import dot, half
 from .lobes import DISK
 from .parameters import exponent_of_roughness
@@ -15,12 +16,17 @@ from .registry import Model
 class LobeModel(Model):
     """f(V, L) = lobe(V, L; n) / D(V, L) times a colour factor.
 
-    `correction` is "none", "pumped" (D from the albedo tables, by `pumps` and `control`) or "limit" (max(N·L, N·V)).
+    `correction` is "none", "pumped" (D from `albedos`, by `pumps` and `control`) or "limit" (max(N·L, N·V)).
     `roughness` is the other way to give `exponent`.
     """
 
     lobe: object
     correction: str
+    albedos: Albedos = field(default=INTEGRATED, kw_only=True)
+
+    def with_albedos(self, albedos):
+        """See `Model`."""
+        return replace(self, albedos=albedos)
 
     @property
     def base_family(self):
@@ -50,7 +56,10 @@ class LobeModel(Model):
         return value if fresnel.is_white(p) else value[:, None] * self._factor(dot(view, half(view, light)), p)
 
     def _albedo(self, mu, p):
-        nodes = meridians(self.lobe, p["exponent"], mu, polar=32, azimuthal=48)
+        edges = ()
+        if self.correction == "pumped":
+            edges = self.albedos.kinks(self.lobe, p.get("control", False), p["exponent"], p["pumps"])
+        nodes = meridians(self.lobe, p["exponent"], mu, polar=32, azimuthal=48, edges=edges)
         energy = nodes.energy / self._correction(mu[:, None], nodes.light_cosine, p)[..., None]
         if fresnel.is_white(p):
             return energy.sum(axis=(1, 2))
@@ -66,11 +75,14 @@ class LobeModel(Model):
     def _correction(self, mu_view, mu_light, p):
         if self.correction == "limit":
             return pumping.limit(mu_view, mu_light)
-        if self.correction == "none" or p["pumps"] == 0.0:
+        if self.correction == "none":
             return np.ones(np.broadcast(mu_view, mu_light).shape)
         control = p.get("control", False)
-        at_view, at_light = (tables.albedos(self.lobe.id, control, mu, p["exponent"]) for mu in (mu_view, mu_light))
-        return pumping.correction(at_view, at_light, mu_view, mu_light, p["pumps"], control)
+
+        def albedos_at(mu, count):
+            return self.albedos.stages(self.lobe, control, mu, p["exponent"], count)
+
+        return pumping.correction_at(albedos_at, mu_view, mu_light, p["pumps"], control)
 
     def _factor(self, view_dot_half, p):
         return fresnel.factor(p["fresnel_type"], view_dot_half, p["base_color"], p["f90"], p["ior"], p["extinction"])

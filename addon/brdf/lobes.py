@@ -14,6 +14,7 @@ class PhongLobe:
     id = "phong"
     ends_steeply = False
     steepest = 0.5 * np.pi
+    kinks = ()  # cosines of the view at which the albedo has a kink
 
     @staticmethod
     def value(view, light, n):
@@ -67,6 +68,7 @@ class HalfVectorLobe:
     id = "blinn"
     ends_steeply = False
     steepest = 0.5 * np.pi
+    kinks = ()  # cosines of the view at which the albedo has a kink
 
     @staticmethod
     def value(view, light, n):
@@ -130,6 +132,7 @@ class ReciprocalDiskLobe:
     id = "disk"
     ends_steeply = True  # like a square root, for small exponents
     steepest = 0.5 * np.pi - 1e-4  # view: at grazing it shrinks to nothing, in shape unchanged
+    kinks = (np.cos(np.pi / 6.0),)  # where all of `ends` meet
 
     @staticmethod
     def value(view, light, n):

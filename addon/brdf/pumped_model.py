@@ -68,22 +68,19 @@ def pumped(base: FormulaModel) -> PumpedModel:
 
 
 def _correction(base, view, light, p, grid=_FINE):
-    if p["pumps"] == 0.0:
-        return np.ones(len(view))
-    stages = int(np.ceil(p["pumps"]))
-    at_view, at_light = (albedos(base, mu, p, grid)[..., :stages] for mu in (view[:, 2], light[:, 2]))
-    return pumping.correction(at_view, at_light, view[:, 2], light[:, 2], p["pumps"], p["control"])
+    return pumping.correction_at(lambda mu, count: _albedos(base, mu, p, count, grid), view[:, 2], light[:, 2],
+                                 p["pumps"], p["control"])
 
 
-def albedos(base, mu, p, grid=_FINE):
-    """Albedos a_0 .. a_3 of the pumping of a model's lobe at N·V = `mu` (N,): (N, 4)."""
+def _albedos(base, mu, p, stages, grid):
+    """Albedos a_0, a_1, .. of the pump stages of a model's lobe at N·V = `mu` (N,): (N, stages)."""
     key = tuple((q.id, p[q.id]) for q in base.parameters if q.id in p and q.evaluated and q.kind in ("float", "bool"))
-    nodes, rows = _chain(base, key, bool(p["control"]), int(np.ceil(p["pumps"])), grid)
+    nodes, rows = _stages(base, key, bool(p["control"]), stages, grid)
     return _between(nodes, rows, mu)
 
 
 @lru_cache(maxsize=64)
-def _chain(base, key, control, stages, grid):
+def _stages(base, key, control, stages, grid):
     """Logarithms of cosines (nodes,) and of albedos (stages, nodes)."""
     p = dict(key)
     count, grazing, polar, azimuthal = grid
@@ -91,18 +88,29 @@ def _chain(base, key, control, stages, grid):
                                       np.linspace(np.log(_FLATTEST), np.log(0.03), grazing)]))
     nodes = nodes[nodes >= np.log(_FLATTEST) - 1e-12]
     views = view_at(np.exp(nodes))
-    rows = []
-    for done in range(stages):
-        def stage(view, light, done=done):
-            value = base.lobe(view, light, p)
-            if not done:
-                return value
-            at_view, at_light = (_between(nodes, rows, mu) for mu in (view[:, 2], light[:, 2]))
-            return value / pumping.correction(at_view, at_light, view[:, 2], light[:, 2], float(done), control)
+    # Views have nodes of different number; where one has fewer, the rest gets no energy.
+    rings = [_rings(base, view, p, polar, azimuthal) for view in views]
+    shape = len(views), max(len(mu) for mu, _ in rings)
+    mu_light, energy = np.ones(shape), np.zeros(shape)
+    for row, (mu, ring) in enumerate(rings):
+        mu_light[row, :len(mu)], energy[row, :len(mu)] = mu, ring
 
-        found = [quadrature.hemisphere(stage, view, base.width(p), polar=polar, azimuthal=azimuthal) for view in views]
-        rows.append(np.log(np.maximum(found, _BLACK)))
-    return nodes, np.array(rows)
+    def at_lights(albedo):
+        return _between(nodes, [_logarithm(albedo)], mu_light)[..., 0]
+
+    found = pumping.stage_albedos(energy, views[:, 2], mu_light, stages, control, at_lights)
+    return nodes, _logarithm(found.T)
+
+
+def _rings(base, view, p, polar, azimuthal):
+    """N·L of rings of lights (N,), and the part of a_0 that comes from each of them to one view (3,)."""
+    light, weight = quadrature.hemisphere_nodes(view, base.width(p), polar=polar, azimuthal=azimuthal)
+    energy = base.lobe(np.broadcast_to(view, light.shape), light, p) * weight
+    return light[::azimuthal, 2], energy.reshape(-1, azimuthal).sum(axis=1)
+
+
+def _logarithm(albedo):
+    return np.log(np.maximum(albedo, _BLACK))
 
 
 def _between(nodes, rows, mu):

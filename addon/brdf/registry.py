@@ -64,8 +64,16 @@ class Model:
         return values
 
     def readings(self, p) -> list:
-        """[(name of a table, exponent that it is read at)] for resolved parameters."""
+        """[(name of a table, exponent that it is read at)] for resolved parameters, where a table is read."""
         return []
+
+    def with_albedos(self, albedos) -> "Model":
+        """This model with other albedos to divide by, see albedos.py; itself where it divides by none.
+
+        Registered models integrate theirs, which takes some tenths of a second for each new exponent: the truth. Who
+        must not wait, or asks for many exponents, takes `tabulated.TABULATED`.
+        """
+        return self
 
     def evaluate(self, view, light, **parameters) -> np.ndarray:
         """f(V, L) in 1/sr: (N,) where the model is white, else (N, 3). 0 below the horizon.
@@ -83,7 +91,8 @@ class Model:
     def quickly(self, view, light, p: dict) -> np.ndarray:
         """f(V, L) as `evaluate` gives it, of resolved parameters and directions above the horizon, within about 1 %.
 
-        For what must not wait: it is the value itself where that takes no preparing.
+        For what must not wait: it is the value itself where that takes no preparing; a model `with_albedos` from tables
+        takes none.
         """
         return self._value(view, light, p)
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..brdf import find_model, fresnel, roughness_of_exponent
 from ..brdf.formula_model import FormulaModel, constant
+from ..brdf.tabulated import TABULATED
 
 ALONG, ACROSS = 0.0, 0.5 * np.pi  # azimuths of the light: the tangent, and across it
 _STEEPEST = 0.25 * np.pi  # half vector angle of a light at the horizon
@@ -83,6 +84,7 @@ def half_angle(model, values: dict, azimuth: float) -> float:
     Infinite where f is more than that up to the horizon. Raises ValueError where there is no lobe: f(N, N) = 0.
     """
     white = {**values, **{name: value for name, value in _WHITE.items() if name in values}}
+    model = model.with_albedos(TABULATED)
     top = float(model.evaluate([0.0, 0.0, 1.0], [0.0, 0.0, 1.0], **white)[0])
     if not top > 0.0:
         raise ValueError(f"{model.id}: there is no lobe to match, f is 0 where view and light are the normal")

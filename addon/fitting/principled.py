@@ -13,6 +13,7 @@ import numpy as np
 from ..brdf import quadrature
 from ..brdf.channels import rgb
 from ..brdf.geometry import dot, half, reflect, view_at
+from ..brdf.tabulated import TABULATED
 from . import principled_bsdf as bsdf
 
 VIEWS = (0.0, 30.0, 60.0)  # degrees
@@ -121,7 +122,7 @@ class _Target:
                 np.concatenate([weight[chosen], weight[chosen]]))
 
     def _energy(self, model, values):
-        return rgb(model.quickly(self.view, self.light, values)) * self.weight[:, None]
+        return rgb(model.with_albedos(TABULATED).quickly(self.view, self.light, values)) * self.weight[:, None]
 
     def by_view(self, rows):
         """Sums of rows (rows, ...) over the lights of each view: (views, ...)."""

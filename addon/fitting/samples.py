@@ -13,6 +13,7 @@ import numpy as np
 from ..brdf import quadrature
 from ..brdf.channels import rgb
 from ..brdf.geometry import half, view_at
+from ..brdf.tabulated import TABULATED
 from .match import half_angles
 
 VIEWS = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0)  # degrees
@@ -77,7 +78,12 @@ def of_model(model, values: dict, views=VIEWS, stretched: bool = False, polar: i
     group = np.repeat(np.arange(len(seen)), [len(light) for light, _ in parts])
     light, weight = (np.concatenate(column) for column in zip(*parts, strict=True))
     view = seen[group]
-    return Samples(view, light, rgb(model.evaluate(view, light, **values)), group, weight)
+    return Samples(view, light, _value(model, view, light, values), group, weight)
+
+
+def _value(model, view, light, values):
+    """f (N, 3), from tables where it is pumped: a search asks for hundreds of exponents."""
+    return rgb(model.with_albedos(TABULATED).evaluate(view, light, **values))
 
 
 def knows_tangent(model) -> bool:
@@ -91,7 +97,7 @@ def errors(samples: Samples, model, values: dict, floor: float = FLOOR) -> tuple
     They are differences of logarithms, of which the source speaks as that of vision, with `floor` times the peak of the
     view added to both values of f (N·L): without, a flank that nobody sees would decide. See `largest`.
     """
-    value = rgb(model.evaluate(samples.view, samples.light, **values))
+    value = _value(model, samples.view, samples.light, values)
     least = np.maximum(floor * samples.peaks, 1e-9 * samples.peaks.max())[samples.group][:, None]
     return (np.log((value * samples.light[:, 2:] + least) / (samples.cosine_weighted + least)),
             np.log((samples.albedos(value) + 1e-9) / (samples.albedos(samples.value) + 1e-9)))
@@ -107,7 +113,7 @@ def largest(errors: tuple) -> tuple:
 
 def apart(samples: Samples, model, values: dict):
     """The largest difference of f (N·L) at each view in parts of the samples' peak there, (views,)."""
-    value = rgb(model.evaluate(samples.view, samples.light, **values)) * samples.light[:, 2:]
+    value = _value(model, samples.view, samples.light, values) * samples.light[:, 2:]
     worst = np.zeros(samples.group.max() + 1)
     np.maximum.at(worst, samples.group, np.abs(value - samples.cosine_weighted).max(axis=1))
     return worst / samples.peaks

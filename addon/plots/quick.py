@@ -21,6 +21,7 @@ from ..brdf.lobe_model import LobeModel
 from ..brdf.models.ndf_map import SHIPPED, NdfMapModel
 from ..brdf.pumped_model import PumpedModel
 from ..brdf.samplers import Cosine
+from ..brdf.tabulated import TABULATED
 
 TOLERANCE = 0.004  # of an albedo up to 1; above it, of itself. Lafortune's lobes that grow without bound miss it
 # Views of the albedo's curve in degrees. The last stands for grazing, where some albedos have no bound.
@@ -74,7 +75,7 @@ def plot(model, values: dict) -> Plot:
 
     Raises ValueError for values that are not allowed, an image that cannot be read, a table that is missing.
     """
-    p = model.resolve(values)
+    p, model = model.resolve(values), model.with_albedos(TABULATED)
     # A base above 1 to a large power has no number; such places are left out of the picture.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         albedo, unpumped, evaluate = _parts(model, p)
@@ -292,23 +293,18 @@ def _pumped(model, p):
     lobe = tint = energy.sum(axis=2)  # (V, P)
     if colour is not None:
         tint = np.einsum("vpa,vpac->vpc", energy, colour.reshape(light.shape))
-    mu_light = light[:, :, 0, 2]
-    stages = int(np.ceil(p["pumps"]))
-    chain = []
-    for done in range(stages):
-        chain.append((lobe / _correction(chain, mu[:, None], mu_light, float(done), p)).sum(axis=1))
-    d = _correction(chain, mu[:, None], mu_light, p["pumps"], p)
-    before = tint.sum(axis=1) if stages else None
-    quick = replace(model, lobe=lambda v, at, p: model.base.lobe(v, at, p) / _correction(
-        chain, v[:, 2], at[:, 2], p["pumps"], p))
+    mu_light, pumps, control = light[:, :, 0, 2], p["pumps"], p["control"]
+    stages = pumping.stage_albedos(lobe, mu, mu_light, int(np.ceil(pumps)), control,
+                                   lambda row: _between(row, mu_light))
+
+    def correction(mu_view, mu_light):
+        return pumping.correction_at(lambda at, _: np.stack([_between(row, at) for row in stages.T], axis=-1),
+                                     mu_view, mu_light, pumps, control)
+
+    d = correction(mu[:, None], mu_light)
+    before = tint.sum(axis=1) if pumps else None
+    quick = replace(model, lobe=lambda v, at, p: model.base.lobe(v, at, p) / correction(v[:, 2], at[:, 2]))
     return (tint / (d if tint.ndim == 2 else d[..., None])).sum(axis=1), before, _evaluator(quick, p)
-
-
-def _correction(chain, mu_view, mu_light, pumps, p):
-    """D of as many pumps as the albedos `chain` [(VIEWS,), ...] are known for; arguments broadcast."""
-    at_view, at_light = (np.stack([_between(row, mu) for row in chain], axis=-1) if chain else np.ones((1, 0))
-                         for mu in (mu_view, mu_light))
-    return pumping.correction(at_view, at_light, mu_view, mu_light, pumps, p["control"])
 
 
 def _between(row, mu):

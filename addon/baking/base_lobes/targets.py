@@ -6,6 +6,7 @@ import numpy as np
 
 from ...brdf import MODELS
 from ...brdf.lobes import BLINN, PHONG
+from ...brdf.tabulated import TABULATED
 from .closures import Family, feature_cosines
 
 HORIZON = 48  # lights on the horizon
@@ -18,7 +19,7 @@ def gains(family: Family, cosines, n):
     light = np.stack([np.sqrt(1.0 - cosines**2), np.zeros_like(cosines), cosines], axis=-1)
     view = light * [-1.0, 1.0, 1.0]
     f0 = family.lobe.value(view, light, n)
-    pumped = MODELS[f"pumped_{family.lobe.id}"]
+    pumped = MODELS[f"pumped_{family.lobe.id}"].with_albedos(TABULATED)
     rows = []
     for choice in GAINS:
         if choice is None:
