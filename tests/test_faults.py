@@ -10,8 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recorder import Recorder, context_for, drawn, operators, texts
-from test_extension import run_blender
+from blender_help.materials import make
+from blender_help.process import run_blender
+from blender_help.recorder import Recorder, context_for, drawn, operators, texts
 
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
@@ -22,11 +23,6 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 # Materials that were edited by hand
-
-def make(model_id, **parameters):
-    from addon import create_material
-
-    return create_material(model_id, **parameters)
 
 
 def node_in(material):
@@ -616,7 +612,8 @@ def half_the_columns(path, pixels):
 @pytest.mark.parametrize("spoil", [no_numbers, zeros, a_row_less, half_the_columns, KINDS["half"],
                                    KINDS["one channel"]])
 def test_a_spoilt_file_is_told_in_picture_and_panel(spoil, bpy, tmp_path, capfd):
-    from test_lut_modes import picture, use_table
+    from blender_help.materials import use_table
+    from optics.plane import picture
 
     from addon.brdf import exr
 

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-import quadrature
 from scipy import stats
+from truth import quadrature
 
 from addon import brdf
 from addon.brdf import MODELS, fresnel, metals, registry

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_ndf_map import spot, written
+from optics.images import spot, written
 
 from addon.brdf import MODELS, quadrature
 from addon.brdf.geometry import in_plane

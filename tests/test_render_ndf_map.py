@@ -5,9 +5,10 @@ As in test_render_weights.py the truth is NumPy, bounds are two-sided and widene
 import bpy
 import numpy as np
 import pytest
-from test_ndf_map import letter, spot, written
-from test_render import SIGMAS, node_of, sockets_of
-from test_render_weights import is_striped, picture_of
+from blender_help.materials import node_of, sockets_of
+from optics.furnace import SIGMAS
+from optics.images import letter, spot, written
+from optics.plane import is_striped, picture_of
 
 from addon import create_material, verify
 from addon.baking import weights
