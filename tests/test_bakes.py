@@ -6,10 +6,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from blender_help.materials import make
 
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
-from recorder import Recorder, context_for, drawn, operators, texts
+from blender_help.recorder import Recorder, context_for, drawn, operators, texts
 
 from addon.baking import bake, sizes
 from addon.brdf import MODELS, tables
@@ -53,12 +54,6 @@ def in_folder(folder, monkeypatch):
 
     monkeypatch.setattr(table_folder, "choose_folder", lambda: tables.use_folder(folder))
     yield
-
-
-def make(model_id, **parameters):
-    from addon import create_material
-
-    return create_material(model_id, **parameters)
 
 
 # Bakes

@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 import pytest
-import quadrature
+from truth import quadrature
 
 from addon import cli
 from addon.baking import bake, workers

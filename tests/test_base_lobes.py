@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 import pytest
-import quadrature
+from truth import quadrature
 
 from addon.brdf import MODELS, tables
 from addon.shading import source

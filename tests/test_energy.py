@@ -1,7 +1,8 @@
 """The sub-panel Energy: what it shows against the models' albedos, that drawing computes nothing, and what is left."""
 import numpy as np
 import pytest
-from recorder import Recorder, context_for, shader_editor, texts
+from blender_help.materials import make
+from blender_help.recorder import Recorder, context_for, shader_editor, texts
 
 from addon import brdf
 from addon.plots import picture, quick
@@ -31,12 +32,6 @@ def plausible_node(material):
     from addon.blender.ui.operators import common
 
     return common.plausible_node(material)
-
-
-def make(model_id, **parameters):
-    from addon import create_material
-
-    return create_material(model_id, **parameters)
 
 
 def drawn(energy, context):

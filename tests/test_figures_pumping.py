@@ -7,9 +7,9 @@ import math
 
 import numpy as np
 import pytest
-import quadrature
 from scipy import special
-from test_literature import he_torrance
+from truth import quadrature
+from truth.literature import he_torrance
 
 from addon.figures import pumping as figures
 

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-import quadrature
 from scipy import optimize
+from truth import quadrature
 
 from addon import brdf, cli
 from addon.brdf import MODELS

@@ -1,7 +1,7 @@
 """What happens to materials in a working life: duplicates, undo, overrides, keyframes, scenes, nodes edited by hand."""
 import numpy as np
 import pytest
-from recorder import context_for, drawn, properties, texts
+from blender_help.recorder import context_for, drawn, properties, texts
 
 from addon import create_material
 from addon.brdf import MODELS

@@ -1,243 +1,30 @@
 """The literature's models: formulas against ones written anew, symmetry, energy, sampling, and their extremes.
 
-The formulas here are scalar, written from the sources with `math`, and integrated by a plain midpoint rule.
+The formulas of truth/literature.py are scalar, written from the sources with `math`, and integrated by a plain midpoint
+rule.
 """
 import math
-from functools import lru_cache
 
 import numpy as np
 import pytest
-from quadrature import view_at
-from scipy import ndimage, optimize, special, stats
+from optics.directions import binned, directions
+from optics.names import name_of
+from optics.shapes import OTHER, PUMPED_SHAPES
+from scipy import stats
+from truth.hemisphere import NODES, half_vectors, integrated
+from truth.literature import by_hand
+from truth.quadrature import view_at
 
-from addon.brdf import MODELS, exr, samplers, tables
+from addon.brdf import MODELS, samplers
 from addon.brdf.formula_model import FormulaModel
 from addon.brdf.pumped_model import PumpedModel, pumped
 
 FORMULAS = {name: model for name, model in MODELS.items() if isinstance(model, FormulaModel)}
 PUMPED = {name: model for name, model in FORMULAS.items() if isinstance(model, PumpedModel)}
 PLAIN = {name: model for name, model in FORMULAS.items() if name not in PUMPED}
-COPPER = {"fresnel_type": "schlick", "base_color": (0.95, 0.64, 0.54)}
-# What each model is tried with besides its defaults: another shape, a colour that depends on angle, a diffuse part.
-OTHER = {
-    "ward": {"roughness_u": 0.4, "roughness_v": 0.1, "base_color": (0.5, 0.4, 0.3), "diffuse_color": (0.1, 0.2, 0.3)},
-    "ward_duer": {"roughness_u": 0.1, "roughness_v": 0.3},
-    "ward_bounded": {"roughness_u": 0.35, "roughness_v": 0.2, "diffuse_color": (0.2, 0.1, 0.0)},
-    "cook_torrance": {"roughness": 0.45, **COPPER},
-    "cosine_microfacet": {"exponent": 12.0, **COPPER, "diffuse_color": (0.1, 0.0, 0.0)},
-    "he_torrance": {"sigma": 0.18, "tau": 2.4, "wavelength": 0.6, **COPPER},
-    "embrechts": {"smoothness": 3.0, "scattering": 0.8, **COPPER},
-    "ashikhmin_shirley": {"exponent_u": 10.0, "exponent_v": 120.0, "base_color": (0.5, 0.3, 0.1),
-                          "diffuse_color": (0.3, 0.5, 0.7)},
-    "lafortune": {"weight_1": 0.5, "exponent_1": 9.0, "cxy_1": -1.1, "cz_1": 0.9, "weight_3": 0.2,
-                  "diffuse_color": (0.1, 0.2, 0.0), "base_color": (0.4, 0.5, 0.6)},
-    "phong_original": {"exponent": 9.0, "base_color": (0.9, 0.5, 0.2), "diffuse_color": (0.3, 0.2, 0.1)},
-    "blinn_original": {"exponent": 9.0, "base_color": (0.9, 0.5, 0.2), "diffuse_color": (0.3, 0.2, 0.1)},
-    "blinn_fresnel": {"exponent": 15.0, **COPPER, "diffuse_color": (0.1, 0.1, 0.1)},
-    "weighted_lobes": {"weight_1": 0.3, "exponent_1": 60.0, "weight_2": 0.4, "exponent_3": 2.0, **COPPER},
-    "ndf_map": {"rotation": 0.07, **COPPER, "diffuse_color": (0.1, 0.2, 0.3)},
-    "kajiya_kay": {"exponent": 12.0, "normalized": False, "diffuse_color": (0.1, 0.2, 0.3)},
-}
 SHAPES = [(name, given) for name in PLAIN for given in ({}, OTHER[name])]
-PUMPED_SHAPES = [("pumped_ward", {"roughness_u": 0.3, "pumps": 1.0, "control": False}),
-                 ("pumped_ward_duer", {"pumps": 2.0, "control": False}),
-                 ("pumped_cook_torrance", {"roughness": 0.3, "pumps": 1.0}),
-                 ("pumped_cosine_microfacet", {"exponent": 20.0, "pumps": 3.0}),
-                 ("pumped_he_torrance", {"pumps": 1.0, "control": False}),
-                 ("pumped_embrechts", {"smoothness": 3.0, "pumps": 2.5}),
-                 ("pumped_ashikhmin_shirley", {"exponent_u": 20.0, "pumps": 1.0}),
-                 ("pumped_lafortune", {"pumps": 1.0}),
-                 ("pumped_blinn_fresnel", {"exponent": 20.0, "pumps": 2.0, "control": False})]
 ENDS = [(name, {p.id: end}) for name, model in PLAIN.items() for p in model.parameters if p.evaluated
         for end in (p.minimum, p.maximum) if p.kind == "float" and math.isfinite(p.maximum)]
-
-
-def name_of(value):
-    return str(value) if not isinstance(value, dict) else " ".join(f"{k}={v}" for k, v in value.items()) or "default"
-
-
-def directions(count, seed, least=0.02):
-    """Unit vectors (count, 3) above the horizon, a fifth of them near it."""
-    rng = np.random.default_rng(seed)
-    mu = rng.uniform(least, 1.0, count)
-    mu[::5] = rng.uniform(least, 0.1, len(mu[::5]))
-    phi = rng.uniform(0.0, 2.0 * np.pi, count)
-    s = np.sqrt(1.0 - mu * mu)
-    return np.stack([s * np.cos(phi), s * np.sin(phi), mu], axis=-1)
-
-
-# The formulas, for one view and one light, without colour; a pair where there is a diffuse part that is not 1/pi.
-
-
-def half_of(v, light):
-    h = [a + b for a, b in zip(v, light, strict=True)]
-    length = math.sqrt(sum(a * a for a in h))
-    return [a / length for a in h]
-
-
-def dot(a, b):
-    return sum(x * y for x, y in zip(a, b, strict=True))
-
-
-def ward_peak(v, light, p):
-    h = half_of(v, light)
-    delta, phi = math.acos(min(h[2], 1.0)), math.atan2(h[1], h[0])
-    along = math.cos(phi) ** 2 / p["roughness_u"] ** 2 + math.sin(phi) ** 2 / p["roughness_v"] ** 2
-    return math.exp(-math.tan(delta) ** 2 * along) / (4.0 * math.pi * p["roughness_u"] * p["roughness_v"])
-
-
-def bounded(v, light, p):
-    """In the form with H unnormalised, 1/(pi m_x m_y) exp(..) (H·H)/(H·N)^4."""
-    h = [a + b for a, b in zip(v, light, strict=True)]
-    return 4.0 * ward_peak(v, light, p) * dot(h, h) / h[2] ** 4
-
-
-def grooves(v, light):
-    h = half_of(v, light)
-    return min(1.0, 2.0 * h[2] * v[2] / dot(v, h), 2.0 * h[2] * light[2] / dot(v, h))
-
-
-def cook_torrance(v, light, p):
-    m, cos_h = p["roughness"], half_of(v, light)[2]
-    d = math.exp(-(math.tan(math.acos(min(cos_h, 1.0))) / m) ** 2) / (math.pi * m * m * cos_h**4)
-    return d * grooves(v, light) / (4.0 * v[2] * light[2])
-
-
-def cosine_microfacet(v, light, p):
-    m = p["exponent"]
-    return (m + 2.0) / (8.0 * math.pi) * half_of(v, light)[2] ** m * grooves(v, light) / (v[2] * light[2])
-
-
-def he_torrance(v, light, p):
-    """Eq. 76 to 82 with the vectors that the paper has them in; erfc and the root of eq. 81 are SciPy's."""
-    sigma, tau, wavelength = p["sigma"], p["tau"], p["wavelength"]
-    k_r, k_i = np.array(v), -np.array(light)  # the wave travels towards the surface
-    cot = [x[2] / math.hypot(x[0], x[1]) for x in (v, light)]
-
-    def k(c):
-        return math.tan(math.atan(1.0 / c)) * special.erfc(tau * c / (2.0 * sigma))
-
-    mean = 0.25 * (k(cot[0]) + k(cot[1]))
-    z0 = optimize.brentq(lambda z: math.sqrt(math.pi / 2.0) * z - sigma * mean * math.exp(-0.5 * (z / sigma) ** 2),
-                         0.0, 40.0 * sigma * (1.0 + mean), xtol=1e-15, rtol=1e-14)
-    effective = sigma / math.sqrt(1.0 + (z0 / sigma) ** 2)
-    g = (2.0 * math.pi * effective / wavelength * (v[2] + light[2])) ** 2
-    wave = 2.0 * math.pi / wavelength * (k_r - k_i)
-    across2 = wave[0] ** 2 + wave[1] ** 2
-    m = np.arange(1, int(g + 12.0 * math.sqrt(g) + 60.0))
-    series = np.exp(m * math.log(g) - g - across2 * tau * tau / (4.0 * m) - special.gammaln(m + 1.0)) / m
-    d = math.pi**2 * tau**2 / (4.0 * wavelength**2) * series.sum()
-    n = np.array([0.0, 0.0, 1.0])
-    s_i, s_r = np.cross(k_i, n), np.cross(k_r, n)
-    s_i, s_r = s_i / np.linalg.norm(s_i), s_r / np.linalg.norm(s_r)
-    p_i, p_r = np.cross(s_i, k_i), np.cross(s_r, k_r)
-    along = k_r - k_i
-    geometry = ((along @ along) / along[2]) ** 2  # in units of the wave number, or f had a dimension
-    geometry *= ((s_r @ k_i) ** 2 + (p_r @ k_i) ** 2) * ((s_i @ k_r) ** 2 + (p_i @ k_r) ** 2)
-    geometry /= np.linalg.norm(np.cross(k_r, k_i)) ** 4
-
-    def s(c):
-        x = tau * c / (2.0 * sigma)
-        big = 0.5 * (2.0 / math.sqrt(math.pi) * sigma / (tau * c) * math.exp(-x * x) - special.erfc(x))
-        return (1.0 - 0.5 * special.erfc(x)) / (big + 1.0)
-
-    return geometry * s(cot[0]) * s(cot[1]) * d / (math.pi * v[2] * light[2])
-
-
-def embrechts(v, light, p):
-    s, cos_b = p["smoothness"], half_of(v, light)[2]
-
-    def masking(c):
-        a = s * c / math.sqrt(1.0 - c * c)
-        return 2.0 / (1.0 + special.erf(a) + math.exp(-a * a) / (a * math.sqrt(math.pi)))
-
-    c = s * s / (4.0 * math.pi) * masking(v[2]) * masking(light[2])
-    return p["scattering"] * c * math.exp(-(s * math.tan(math.acos(cos_b))) ** 2) / (light[2] * v[2] * cos_b**4)
-
-
-def ashikhmin_shirley(v, light, p):
-    nu, nv, h = p["exponent_u"], p["exponent_v"], half_of(v, light)
-    power = (nu * h[0] ** 2 + nv * h[1] ** 2) / (1.0 - h[2] ** 2)
-    return (math.sqrt((nu + 1.0) * (nv + 1.0)) / (8.0 * math.pi) * h[2] ** power
-            / (dot(h, light) * max(v[2], light[2])))
-
-
-def lafortune(v, light, p):
-    total = 0.0
-    for i in (1, 2, 3):
-        n, c = p[f"exponent_{i}"], (p[f"cxy_{i}"], p[f"cxy_{i}"], p[f"cz_{i}"])
-        total += p[f"weight_{i}"] * (n + 2.0) / (2.0 * math.pi) * max(
-            sum(a * b * d for a, b, d in zip(c, v, light, strict=True)), 0.0) ** n
-    return total
-
-
-def phong_original(v, light, p):
-    return max(dot([-v[0], -v[1], v[2]], light), 0.0) ** p["exponent"]
-
-
-def blinn_original(v, light, p):
-    return half_of(v, light)[2] ** p["exponent"]
-
-
-@lru_cache(maxsize=1)
-def star():
-    """The shipped image, row 0 at the bottom, and the sum of its readings at 4e6 half vectors, even in solid angle."""
-    pixels = exr.read(tables.PACKAGED / "ndf_star.exr")[0][::-1, :, 1].astype(np.float64)
-    # Rings are narrow about the normal, where the image is bright.
-    edges = np.linspace(0.0, 0.5 * np.pi, 2001)
-    z, phi = 0.5 * (np.cos(edges[1:]) + np.cos(edges[:-1])), np.arange(2000) * np.pi / 1000.0
-    s = np.sqrt(1.0 - z * z)
-    mean = ndimage.map_coordinates(pixels, [np.outer(s, f(phi)) * 64.0 + 63.5 for f in (np.sin, np.cos)], order=1,
-                                   mode="nearest").mean(axis=1)
-    return pixels, 2.0 * np.pi * float(mean @ -np.diff(np.cos(edges)))
-
-
-def ndf_map(v, light, p):
-    """Ashikhmin and Shirley's form with the star, read bilinearly between pixels' centres, over its integral."""
-    pixels, total = star()
-    h, turn = half_of(v, light), 2.0 * math.pi * p["rotation"]
-    x, y = (min(max(64.0 * (a + 1.0) - 0.5, 0.0), 127.0) for a in (math.cos(turn) * h[0] + math.sin(turn) * h[1],
-                                             math.cos(turn) * h[1] - math.sin(turn) * h[0]))
-    i, j = min(int(x), 126), min(int(y), 126)
-    density = sum((1.0 - abs(x - k)) * (1.0 - abs(y - n)) * pixels[n, k] for k in (i, i + 1) for n in (j, j + 1))
-    return density / total / (4.0 * dot(v, h) * max(v[2], light[2]))
-
-
-def kajiya_kay(v, light, p):
-    """The cosine of the angle between V and the cone of mirrored light, times what a strand receives."""
-    to_strand = abs(math.asin(light[0]) + math.asin(v[0]))
-    value = max(math.cos(to_strand), 0.0) ** p["exponent"] * math.cos(math.asin(light[0]))
-    return value * ((p["exponent"] + 2.0) / (2.0 * math.pi) if p["normalized"] else 1.0) / light[2]
-
-
-FORMULA = {
-    "ward": lambda v, light, p: ward_peak(v, light, p) / math.sqrt(v[2] * light[2]),
-    "ward_duer": lambda v, light, p: ward_peak(v, light, p) / (v[2] * light[2]),
-    "ward_bounded": bounded, "cook_torrance": cook_torrance, "cosine_microfacet": cosine_microfacet,
-    "he_torrance": he_torrance, "embrechts": embrechts, "ashikhmin_shirley": ashikhmin_shirley, "lafortune": lafortune,
-    "phong_original": phong_original, "blinn_original": blinn_original, "kajiya_kay": kajiya_kay,
-    "ndf_map": ndf_map,
-    "blinn_fresnel": lambda v, light, p: (p["exponent"] + 8.0) / (8.0 * math.pi) * blinn_original(v, light, p),
-    "weighted_lobes": lambda v, light, p: sum(
-        p[f"weight_{i}"] * (p[f"exponent_{i}"] + 8.0) / (8.0 * math.pi) * half_of(v, light)[2] ** p[f"exponent_{i}"]
-        for i in (1, 2, 3)),
-}
-
-
-def by_hand(name, v, light, p):
-    """f of all channels (3,), from the formulas above."""
-    base, diffuse = np.array(p["base_color"]), np.array(p["diffuse_color"])
-    colour = base
-    if name == "ashikhmin_shirley" or p.get("fresnel_type") == 1:
-        edge = np.array(p.get("f90", (1.0, 1.0, 1.0)))
-        colour = base + (edge - base) * (1.0 - dot(v, half_of(v, light))) ** 5
-    amount = 1.0 / math.pi
-    if name == "ashikhmin_shirley":
-        amount = 28.0 / (23.0 * math.pi) * (1.0 - base) * math.prod(
-            1.0 - (1.0 - 0.5 * x[2]) ** 5 for x in (v, light))
-    if name == "kajiya_kay":
-        amount = math.cos(math.asin(light[0])) / (math.pi * light[2])
-    return FORMULA[name](v, light, p) * colour + diffuse * amount
 
 
 @pytest.mark.parametrize("name, given", SHAPES, ids=name_of)
@@ -271,46 +58,6 @@ def test_reciprocity(name, given):
 
 
 # Energy.
-
-
-NODES = {"ndf_map": (600, 720)}  # rings and turns, where lobes have narrow rays
-
-
-@lru_cache(maxsize=8)
-def half_vectors(width, rings=300, turns=120):
-    """Half vectors (N, 3) about the normal and solid angles (N,), by the midpoint rule in log of their slope."""
-    edges = np.concatenate([[0.0], np.geomspace(1e-3 * width, 1e4, rings)])
-    slope = np.sqrt(edges[1:] * np.maximum(edges[:-1], 1e-12))
-    slope[0] = 0.5 * edges[1]
-    cosines = 1.0 / np.sqrt(1.0 + edges * edges)
-    area = (cosines[:-1] - cosines[1:]) * 2.0 * np.pi / turns
-    phi = (np.arange(turns) + 0.5) * 2.0 * np.pi / turns
-    z = 1.0 / np.sqrt(1.0 + slope**2)
-    x, y = (np.outer(z * slope, f(phi)).ravel() for f in (np.cos, np.sin))
-    return np.stack([x, y, np.repeat(z, turns)], axis=-1), np.repeat(area, turns)
-
-
-def half_vector_lights(view, model, given):
-    """Lights (N, 3) above the horizon and solid angles (N,), dense where half vectors are upright: dL = 4 V·H dH."""
-    h, area = half_vectors(round(float(model.width(model.resolve(given))), 4), *NODES.get(model.id, ()))
-    facing = h @ view
-    light = 2.0 * facing[:, None] * h - view
-    lit = (facing > 0.0) & (light[:, 2] > 0.0)
-    return light[lit] / np.linalg.norm(light[lit], axis=1, keepdims=True), 4.0 * facing[lit] * area[lit]
-
-
-def even_lights(view, model, given, nodes=600):
-    """The same, spread evenly: for strands, whose light is on cones, and is bright at the horizon."""
-    mu, phi = ((np.arange(nodes) + 0.5) * end / nodes for end in (1.0, 2.0 * np.pi))
-    s = np.sqrt(1.0 - mu * mu)
-    x, y = (np.outer(s, f(phi)).ravel() for f in (np.cos, np.sin))
-    return np.stack([x, y, np.repeat(mu, nodes)], axis=-1), np.full(nodes * nodes, 2.0 * np.pi / nodes**2)
-
-
-def integrated(model, view, given):
-    """The albedo without a spike, of one view (3,)."""
-    light, area = (even_lights if model.id == "kajiya_kay" else half_vector_lights)(view, model, given)
-    return np.einsum("n,n...->...", area * light[:, 2], model.evaluate(view[None], light, **given))
 
 
 @pytest.mark.parametrize("mu", [0.05, 0.4, 1.0])
@@ -458,11 +205,6 @@ def test_samples_follow_the_pdf(name, given, mu):
     keep = wanted > 1.0
     chi2 = ((found - wanted)[keep] ** 2 / wanted[keep]).sum()
     assert stats.chi2.sf(chi2, max(keep.sum() - 1, 1)) > 1e-5
-
-
-def binned(light, weights=None):
-    turn = np.arctan2(light[:, 1], light[:, 0])
-    return np.histogram2d(light[:, 2], turn, (10, 12), ((-1.0, 1.0), (-np.pi, np.pi)), weights=weights)[0].ravel()
 
 
 def density_binned(model, given, view):

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from blender_help.materials import use_table
+from optics.plane import picture
 
 from addon import create_material
 from addon.brdf import MODELS, exr, tables
-from addon.verify import room
 
 pytestmark = pytest.mark.blender
 
@@ -19,25 +20,6 @@ ROOT = Path(__file__).resolve().parents[1]
 PUMPED = ("pumped_phong", "pumped_blinn")
 # Interpreters of other Blenders, separated as in PATH, to render what this one saved.
 OTHERS = [path for path in os.environ.get("PLAUSIBLE_OTHER_PYTHON", "").split(os.pathsep) if path]
-
-
-def picture(material, view_deg=60.0, samples=16, energy=0.0):
-    """A plane under a white sky, or under a sun of `energy` from the normal: (256, 3)."""
-    with room.Room(material, room.PLANE, 16) as place:
-        place.sky(0.0 if energy else 1.0)
-        if energy:
-            place.shine("SUN", (0.0, 0.0, 1.0), energy=energy, angle=0.0)
-        angle = np.radians(view_deg)
-        place.look_from((np.sin(angle), 0.0, np.cos(angle)))
-        return place.render(samples).reshape(-1, 3)
-
-
-def use_table(material, control, path):
-    """Name another file in the socket of a material that reads its tables from files."""
-    from addon.blender.material import groups, sockets
-
-    name = "table_controlled" if control else "table_plain"
-    sockets.by_id(groups.find_node(material))[name].default_value = str(path)
 
 
 @pytest.mark.versions_by_shader

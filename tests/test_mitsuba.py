@@ -22,7 +22,7 @@ from addon.verify.chi_square import significance
 
 PYTHON = os.environ.get("PLAUSIBLE_MITSUBA_PYTHON") or sys.executable
 LLVM = "libLLVM.so.19.1"
-JUDGE = Path(__file__).with_name("mitsuba_judge.py")
+JUDGE = Path(__file__).parent / "optics" / "mitsuba_judge.py"
 
 
 def missing():

@@ -8,8 +8,10 @@ A bound is README's blur and five standard errors; both are parts of the lobe's 
 """
 import numpy as np
 import pytest
-from pairs import peak, toward, until_sharp
-from test_render import PLANTED, plant
+from blender_help.materials import PLANTED, plant
+from optics.directions import toward
+from optics.names import name_of
+from optics.pairs import peak, until_sharp
 
 from addon import create_material
 from addon.brdf import MODELS
@@ -41,10 +43,6 @@ OTHERS = [
     ("edwards_fit", {"exponent": 20.0, "radius": 0.4, "blend": 0.0, "renormalize": False}),
     ("reciprocal_disk", {"exponent": 150.0, "pumps": 2.5}),
 ]
-
-
-def name_of(value):
-    return " ".join(f"{k}={v}" for k, v in value.items()) if isinstance(value, dict) else str(value)
 
 
 def formula_of(given):

@@ -6,10 +6,10 @@ scene, so a test passes or fails for good; its significance tells how often a so
 """
 import itertools
 
-import emission
 import numpy as np
 import pytest
-from emission import headers, perspective, shown
+from optics import emission
+from optics.emission import headers, perspective, shown
 from scipy import special, stats
 from scipy.stats import qmc
 

@@ -6,10 +6,11 @@ NumPy's, and the shaders' own are held against these number by number.
 """
 import json
 
-import emission
 import numpy as np
 import pytest
-from pairs import toward
+from optics import emission
+from optics.directions import toward
+from optics.names import name_of
 
 from addon import brdf, create_material
 from addon.baking import bells
@@ -80,10 +81,6 @@ def marked(cases, everyday):
     """The cases, all but the first `everyday` ones marked as proofs; those are drawn in smaller number."""
     return [pytest.param(*case, i < everyday, marks=() if i < everyday else pytest.mark.proof)
             for i, case in enumerate([*cases[:everyday], *cases])]
-
-
-def name_of(value):
-    return " ".join(f"{k}={v}" for k, v in value.items()) if isinstance(value, dict) else str(value)
 
 
 # Phong and Blinn.

@@ -4,19 +4,13 @@ import math
 from types import SimpleNamespace
 
 import pytest
-from recorder import Recorder, context_for, drawn, operators, properties, shader_editor, texts
+from blender_help.materials import make
+from blender_help.recorder import Recorder, context_for, drawn, operators, properties, shader_editor, texts
 
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 from addon import brdf
 from addon.brdf import tables
-
-
-def make(model_id, **parameters):
-    from addon import create_material
-
-    return create_material(model_id, **parameters)
-
 
 FRESNEL = {"constant": {"base_color"}, "schlick": {"base_color", "f90"}, "conductor": {"ior", "extinction"}}
 COLOURS = set().union(*FRESNEL.values())

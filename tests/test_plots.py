@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from test_ndf_map import spot, written
+from optics.images import spot, written
 
 from addon.brdf import MODELS, quadrature
+from addon.brdf.errors import ImageError
 from addon.brdf.geometry import in_plane
 from addon.brdf.metals import METALS
 from addon.brdf.models import he_torrance
@@ -104,8 +105,9 @@ def test_ndf_maps_of_images(tmp_path):
     # Half vectors are about x = -0.35; seen from above the light is at twice their angle.
     at_peak = plot.lobes[0].angles[plot.lobes[0].values.argmax()]
     assert at_peak == pytest.approx(-2.0 * np.degrees(np.arcsin(0.35)), abs=3.0)
-    with pytest.raises(ValueError, match="none.exr"):
+    with pytest.raises(ImageError) as caught:
         quick.plot(MODELS["ndf_map"], {"image": str(tmp_path / "none.exr")})
+    assert (caught.value.code, caught.value.path) == ("missing", tmp_path / "none.exr")
 
 
 @pytest.mark.parametrize("model_id", MODELS)

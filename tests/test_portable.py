@@ -22,7 +22,7 @@ _BUILD = """
 import os, sys
 from pathlib import Path
 import bpy
-import portable_scene as scene
+from blender_help import portable_scene as scene
 
 folder, library = Path(sys.argv[1]), Path(sys.argv[2])
 scene.build()

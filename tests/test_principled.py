@@ -10,6 +10,7 @@ import pytest
 
 from addon import cli
 from addon.brdf import MODELS, roughness_of_exponent
+from addon.brdf.errors import ParameterError
 from addon.brdf.geometry import view_at
 from addon.brdf.metals import METALS
 from addon.fitting import principled
@@ -192,8 +193,9 @@ def test_stretched_lobes_are_turned_as_the_models_are():
 def test_black_models_have_a_black_stand_in():
     found = principled.fit(MODELS["pumped_phong"], {"base_color": (0.0, 0.0, 0.0)})
     assert found.base_color == (0.0, 0.0, 0.0) and found.ior == 1.0 and found.metallic == 0.0
-    with pytest.raises(ValueError, match="exponent"):
+    with pytest.raises(ParameterError) as caught:
         principled.fit(MODELS["phong"], {"exponent": -1.0})
+    assert caught.value.parameter == "exponent"
 
 
 def test_quick_values_of_pumped_models_are_near():

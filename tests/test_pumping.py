@@ -1,7 +1,7 @@
 """Albedo pumping-up against the paper's claims, the design's check values, and an integration of another kind."""
 import numpy as np
 import pytest
-import quadrature
+from truth import quadrature
 
 from addon.brdf import MODELS, pumping
 from addon.brdf.lobes import BLINN, PHONG

@@ -3,7 +3,7 @@ import threading
 import time
 
 import pytest
-from recorder import context_for, drawn, operators, texts
+from blender_help.recorder import context_for, drawn, operators, texts
 
 from addon import create_material
 

@@ -3,8 +3,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pairs import peak, toward, until_sharp
-from test_literature import OTHER, PUMPED_SHAPES
+from optics.directions import toward
+from optics.names import name_of
+from optics.pairs import peak, until_sharp
+from optics.shapes import OTHER, PUMPED_SHAPES
 
 from addon import create_material
 from addon.brdf import MODELS
@@ -31,10 +33,6 @@ CASES = [(name, given) for name in MODELS for given in
 TWO_WAYS = [(name, given) for name, given in CASES if name not in ONE_WAY]
 # Sums of lumps that keep their place and size, of one colour at all angles, are functions of V+L alone.
 FITS_OF_ONE_COLOUR = MORE["edwards_fit"][0]
-
-
-def name_of(value):
-    return str(value) if not isinstance(value, dict) else " ".join(f"{k}={v}" for k, v in value.items()) or "default"
 
 
 def grid():
@@ -174,8 +172,8 @@ def test_baked(model, given):
 @pytest.mark.blender
 def test_a_planted_error_is_found_in_cycles(monkeypatch):
     """The usual mistake: what is pumped is divided by the view's albedo, whatever the light's is."""
-    from test_render import plant
+    from blender_help.materials import plant
 
-    plant(monkeypatch, r"max\(c\.at_view\[stage\], at_light\[stage\]\)", "c.at_view[stage]")
+    plant(monkeypatch, "SPOILT_LARGER(at_view, at_light)", "at_view")
     there, back, noise, blur = swapped("pumped_phong", {"exponent": 20.0, "control": False})  # control would mend it
     assert (np.abs(there - back) > blur + SIGMAS * noise).any()

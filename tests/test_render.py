@@ -10,34 +10,28 @@ import os
 import bpy
 import numpy as np
 import pytest
+from blender_help.materials import PLANTED, node_of, plant, sockets_of
+from optics.directions import cosines, rgb
+from optics.furnace import FURNACE_BOUND, FURNACE_NOISE, SIGMAS, assert_good, furnace_report
+from optics.lamp import AREA, AREA_DIRECTION, area_lamp, gathered, lamp_points, zones_of
+from optics.plane import plane
+from optics.points import POINT_BOUND, POINT_GRAINY, POINT_NOISE, directions_of, peak_of
+from optics.sun import TOTAL_BOUND, sun_bound, sun_report
 
 from addon import brdf, create_material, verify
 from addon.brdf import exr
 from addon.brdf.geometry import view_at
-from addon.shading import definitions
 from addon.verify import comparison, room, standards
 
 pytestmark = pytest.mark.blender
 
 FULL = os.environ.get("PLAUSIBLE_FULL") == "1"
-SIGMAS = comparison.SIGMAS
 PUMPED = ("pumped_phong", "pumped_blinn")
 WRITTEN = [name for name, model in brdf.MODELS.items() if not model.baked]
 EXPONENTS = (1.5, 7.0, 20.0, 150.0, 5000.0)
 PUMPS = (0.0, 0.5, 1.0, 2.0, 3.0)
 ANGLES = (1.0, 25.0, 45.0, 60.0, 70.0, 80.0, 85.0)
-SUNS = (0.0, 40.0, 65.0, 80.0)
 VIEWS = (5.0, 40.0, 65.0, 80.0)
-
-FURNACE_BOUND, FURNACE_NOISE = 2e-3, 7e-4  # of the albedo
-SUN_SAMPLES = 1024
-TOTAL_BOUND, TOTAL_NOISE = 3e-3, 1.2e-3  # of the sphere's light
-POINT_BOUND, POINT_NOISE = 0.02, 0.004  # of the lobe's peak
-
-
-def sun_bound(exponent):
-    """Allowed mean deviation per pixel of the lit sphere, noise included."""
-    return 0.01 if exponent <= 150.0 else 0.02
 
 
 def shape(exponent, pumps, control):
@@ -66,159 +60,6 @@ def name_of(value):
     control = {True: "controlled", False: "plain", None: ""}[value.get("control")]
     return " ".join(f"{'n' if k == 'exponent' else k}={v if isinstance(v, str) else format(v, 'g')}"
                     for k, v in value.items() if k != "control") + f" {control}".rstrip()
-
-
-def cosines(angles_deg):
-    return np.cos(np.radians(angles_deg))
-
-
-def rgb(values):
-    values = np.asarray(values, dtype=np.float64)
-    return values if values.ndim == 2 else np.repeat(values[:, None], 3, axis=1)
-
-
-def sharpened(measure, count, wanted, most=1 << 14):
-    """A Measurement of `count` rows with as many samples, 64 to `most`, as a noise below `wanted` needs in each.
-
-    `measure(rows, samples, seed)` measures some of them. A first look at all tells how many samples a row needs; it is
-    not kept where it was too noisy: what it happened to show must not choose.
-    """
-    value, noise = measure(np.arange(count), 64, 0)
-    needed = np.minimum(64 * (noise.max(axis=1) / (0.8 * wanted)) ** 2, most)
-    for low, high in itertools.pairwise((64, 256, 1024, 4096, 1 << 14)):
-        again = np.nonzero((needed > low) & (needed <= high))[0]
-        if len(again):
-            value[again], noise[again] = measure(again, int(np.ceil(min(1.2 * needed[again].max(), most))), 1)
-    return verify.Measurement(value, noise)
-
-
-def albedo_of(material, angles_deg, wanted=FURNACE_NOISE):
-    """Furnace of `material`, its noise below `wanted` where that can be."""
-    angles = np.atleast_1d(np.asarray(angles_deg, dtype=np.float64))
-    return sharpened(lambda rows, samples, seed: verify.furnace(material, angles[rows], samples=samples, seed=seed),
-                     len(angles), wanted)
-
-
-def furnace_report(model, parameters, angles, material=None):
-    """Comparison of the rendered furnace with the quadrature."""
-    measured, noise = albedo_of(material or create_material(model, **parameters), angles)
-    reference = brdf.MODELS[model].albedo(cosines(angles), **parameters)
-    return verify.compare(measured, reference, noise, FURNACE_BOUND)
-
-
-def assert_good(report, noise):
-    assert report.noise.max() <= noise, f"too noisy to decide: {report.noise.max():.2g}"
-    assert set(report.verdicts()) == {comparison.OK}, np.array2string(report.error[:, 0], precision=5)
-
-
-class Sun:
-    """A sphere of `material` under a sun of no size at each angle of `suns`, against what the formula says.
-
-    `pictures` are averages of SUN_SAMPLES samples. Each is made of four parts of other seeds, and their scatter is the
-    noise; where it is not below `total_noise` there are more pictures. One scene serves all suns, and only the pixels
-    of the highlight are rendered at length; `outside` is the rest of the light, as a part of the whole.
-    """
-
-    PARTS, PICTURES = 4, 4
-
-    def __init__(self, material, evaluate, suns, resolution, total_noise=TOTAL_NOISE):
-        self.wanted = 0.7 * total_noise
-        self.pictures, self.references, self.covered, self.ratios, self.outside = [], [], [], [], []
-        with room.Room(material, room.BALL, resolution, exact_pixels=True) as place:
-            place.look_from((0.0, 0.0, 1.0), 2.0 * (1.0 + 1.0 / resolution))
-            lamp = place.shine("SUN", (0.0, 0.0, 1.0), energy=room.SUN_ENERGY, angle=0.0)
-            for angle in suns:
-                direction = np.array([np.sin(np.radians(angle)), 0.0, np.cos(np.radians(angle))])
-                place.aim(lamp, direction)
-                self._measure(place, verify.local_directions(ball(resolution), direction, margin=0.05), evaluate)
-        self.outside, self.bias = np.array(self.outside), np.zeros(len(suns))
-
-    def _measure(self, place, lit, evaluate):
-        reference = verify.sphere_reference(evaluate, lit)
-        bright = reference.max(axis=-1) > 1e-4 * reference.max()
-        select(place, None)
-        self.outside.append(place.render(16)[lit.covered & ~bright].sum() / reference.sum())
-        select(place, bright)
-        ratios, pictures = [], []
-        while len(pictures) < self.PICTURES:
-            parts = [place.render(SUN_SAMPLES // self.PARTS, len(ratios) + i) for i in range(self.PARTS)]
-            ratios += [verify.total_ratio(part, reference, bright) for part in parts]
-            pictures.append(np.mean(parts, axis=0))
-            if self._noise(ratios) <= self.wanted:
-                break
-        self.pictures.append(pictures)
-        self.references.append(reference)
-        self.covered.append(bright)
-        self.ratios.append(ratios)
-
-    @staticmethod
-    def _noise(ratios):
-        return np.std(ratios, ddof=1) / np.sqrt(len(ratios))
-
-    def _each(self, figure, channel):
-        """The mean of `figure` over the pictures, at each sun."""
-        rows = zip(self.pictures, self.references, self.covered, strict=True)
-        return np.array([np.mean([figure(picture[..., channel], reference[..., channel], covered)
-                                  for picture in pictures]) for pictures, reference, covered in rows])
-
-    def l1(self, channel=slice(None)):
-        """Mean deviation per pixel at each sun, noise included, as a part of the mean."""
-        return self._each(verify.l1_error, channel) + self.outside
-
-    def total(self, channel=slice(None)):
-        """Total over the formula's total less one, at each sun, less what is known to be the instrument's own."""
-        return self._each(verify.total_ratio, channel) + self.outside - 1.0 - self.bias
-
-    def noise(self):
-        """Standard error of `total` at each sun; a few seeds tell it roughly, so it is not below half of the mean."""
-        noise = np.array([self._noise(ratios) for ratios in self.ratios])
-        return np.maximum(noise, 0.5 * noise.mean())
-
-    def faults(self, exponent):
-        """What is wrong, in words; empty where all is well."""
-        found = {"total": np.abs(self.total()) > TOTAL_BOUND + SIGMAS * self.noise(),
-                 "L1": self.l1() > sun_bound(exponent), "too noisy to decide": self.noise() > TOTAL_NOISE}
-        return [what for what, where in found.items() if where.any()]
-
-    def __repr__(self):
-        with np.printoptions(precision=5, suppress=True):
-            return (f"total {self.total()} noise {self.noise()} L1 {self.l1()} "
-                    f"outside {self.outside} bias {self.bias} pictures {[len(p) for p in self.pictures]}")
-
-
-def select(place, mask):
-    """Render only the smallest rectangle of pixels that holds `mask` (H, W), or all for None."""
-    render = place.scene.render
-    render.use_border, render.use_crop_to_border = mask is not None, False
-    if mask is not None:
-        (rows, columns), size = np.nonzero(mask), place.resolution
-        render.border_min_x, render.border_max_x = columns.min() / size, (columns.max() + 1) / size
-        render.border_min_y, render.border_max_y = rows.min() / size, (rows.max() + 1) / size
-
-
-def ball(resolution, image=None):
-    """The geometry of verify.sphere's picture."""
-    width = 2.0 * (1.0 + 1.0 / resolution)
-    centres = width * ((np.arange(resolution) + 0.5) / resolution - 0.5)
-    x, y = np.meshgrid(centres, centres)
-    squared = 1.0 - x * x - y * y
-    normal = np.stack([x, y, np.sqrt(np.maximum(squared, 0.0))], axis=-1)
-    normal[squared <= 0.0] = np.nan
-    return verify.Sphere(image, squared > 0.0, normal, np.array([0.0, 0.0, 1.0]))
-
-
-def sun_report(model, parameters, suns=SUNS, material=None):
-    """What the sun shows of `model`, in a picture just fine enough for its highlight."""
-    exponent = parameters["exponent"]
-    resolution = 24 if exponent <= 20.0 else 40 if exponent <= 150.0 else 160
-    report = Sun(material or create_material(model, **parameters),
-                 lambda view, light: brdf.MODELS[model].evaluate(view, light, **parameters), suns, resolution)
-    if exponent > 150.0:
-        # Blender stores a mesh's normals in 16 bits, which moves so sharp a highlight by up to a per cent of its light.
-        # Cycles' own closure, exact, shows by how much.
-        closure = standards.phong(exponent / (4.0 if brdf.MODELS[model].lobe.id == "blinn" else 1.0))
-        report.bias = Sun(closure.material(), closure.evaluate, suns, resolution).total()
-    return report
 
 
 # White furnace.
@@ -256,26 +97,7 @@ def lights_about(model, parameters, view_deg):
     return np.concatenate([verify.in_plane(inside), verify.across_lobe(view_deg, reach * np.array([0.3, 0.6, 1.0]))])
 
 
-def peak_of(model, parameters, view):
-    """Largest f (N·L) over the hemisphere, within a thousandth."""
-    theta, phi = np.meshgrid(np.radians(np.linspace(0.0, 89.9, 1800)), np.radians(np.linspace(0.0, 20.0, 9)))
-    light = np.stack([-np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1).reshape(-1, 3)
-    return float((rgb(brdf.MODELS[model].evaluate(view, light, **parameters)) * light[:, 2:]).max())
-
-
-# What is left over at grazing views and of the widest lobes is grainy: noise of a mean over all pixels, of the peak.
-POINT_GRAINY = 0.02
-POINT_WANTED = 0.001  # no sharper than that: five of it are a quarter of the bound
 POINT_SHAPES = [(1.5, 2.0, False), (20.0, 1.0, True), (150.0, 2.0, False)]
-
-
-def directions_of(material, view_deg, lights, peak, most):
-    """f (N·L) in parts of `peak`, from so many samples, up to `most`, that the noise is below POINT_WANTED."""
-    def measure(rows, samples, seed):
-        f, noise = verify.goniometer(material, view_deg, lights[rows], samples=samples, seed=seed)
-        return f * lights[rows, 2:] / peak, noise * lights[rows, 2:] / peak
-
-    return sharpened(measure, len(lights), POINT_WANTED, most)
 
 
 @pytest.mark.parametrize("view_deg", VIEWS)
@@ -299,26 +121,7 @@ def test_point_by_point(model, parameters, view_deg):
 
 LIT_BOUND, LIT_NOISE = 5e-3, 1.5e-3  # of a zone's light
 LIT_GRAINY = 6e-3  # what Blinn at grazing is left with after the most pictures; its verdict is weaker by so much
-AREA = {"energy": 200.0, "size": 0.5, "shape": "SQUARE", "distance": 3.5}
-AREA_DIRECTION = np.array([0.36, 0.48, 0.8])
 HDRIS = ("city", "courtyard", "forest", "interior", "night", "studio", "sunrise", "sunset") if FULL else ("courtyard",)
-
-
-def area_lamp(place):
-    place.shine("AREA", AREA_DIRECTION, **AREA)
-
-
-def zones_of(reference, resolution):
-    """Masks (4, H, W): the sphere, and three rings of it, from facing to grazing, that each give a third of the light.
-    """
-    facing = np.nan_to_num(ball(resolution).normal[..., 2])
-    light = np.where(facing > 0.05, reference.sum(axis=-1), 0.0)
-    order = np.argsort(-facing, axis=None)
-    share = np.empty(facing.size)
-    share[order] = np.cumsum(light.ravel()[order]) / light.sum()
-    ring = np.minimum((3.0 * share).astype(int), 2).reshape(facing.shape)
-    covered = facing > 0.05
-    return np.array([covered] + [covered & (ring == i) for i in range(3)])
 
 
 def assert_lit(material, light, reference, resolution, samples, most=24):
@@ -343,51 +146,6 @@ def assert_lit(material, light, reference, resolution, samples, most=24):
     assert (np.abs(off) <= LIT_BOUND + SIGMAS * noise).all(), f"zones off by {off}, noise {noise}"
 
 
-def frames(resolution):
-    """(mask, position, tangent, bitangent) of the pixels that see the sphere; the view is in the x-z plane."""
-    normal = ball(resolution).normal
-    mask = np.nan_to_num(normal[..., 2]) > 0.05
-    n = normal[mask]
-    tangent = np.array([0.0, 0.0, 1.0]) - n[:, 2:] * n
-    length = np.linalg.norm(tangent, axis=1, keepdims=True)
-    tangent = np.where(length > 1e-9, tangent / np.maximum(length, 1e-9), [1.0, 0.0, 0.0])
-    return mask, n, tangent, np.cross(n, tangent)
-
-
-def gathered(evaluate, resolution, lights_at):
-    """Sum of f (N·L) times light over a sphere: `lights_at(position)` gives directions (M, 3) and their light
-    (M, 3), radiance times solid angle. Returns (H, W, 3)."""
-    mask, normals, tangents, bitangents = frames(resolution)
-    image, values = np.zeros(mask.shape + (3,)), []
-    for n, t, b in zip(normals, tangents, bitangents, strict=True):
-        lights, light = lights_at(n)
-        local = lights @ np.stack([t, b, n], axis=1)
-        above = local[:, 2] > 0.0
-        view = np.array([[t[2], b[2], n[2]]])
-        value = rgb(evaluate(view, local[above])) * local[above, 2:]
-        values.append((value * light[above]).sum(axis=0))
-    image[mask] = values
-    return image
-
-
-def lamp_points(position, count=12):
-    """A square lamp of Blender's, cut in count² Gauss points: radiance is power / (pi area), on the side that faces."""
-    x, w = np.polynomial.legendre.leggauss(count)
-    a = AREA_DIRECTION
-    u = np.cross([0.0, 1.0, 0.0], a)
-    u = u / np.linalg.norm(u)
-    v = np.cross(a, u)
-    half_size = 0.5 * AREA["size"]
-    grid_u, grid_v = np.meshgrid(half_size * x, half_size * x)
-    point = AREA["distance"] * a + grid_u.reshape(-1, 1) * u + grid_v.reshape(-1, 1) * v
-    to_lamp = point - position
-    distance = np.linalg.norm(to_lamp, axis=1, keepdims=True)
-    lights = to_lamp / distance
-    area = np.outer(w, w).reshape(-1, 1) * half_size**2
-    radiance = AREA["energy"] / (np.pi * AREA["size"] ** 2)
-    return lights, np.repeat(radiance * np.maximum(lights @ a, 0.0)[:, None] / distance**2 * area, 3, axis=1)
-
-
 LIT_SHAPES = [(20.0, 1.0, True), (7.0, 1.0, False), (150.0, 2.0, True)]
 LIT = [*[(model, shape(*values)) for model in PUMPED for values in LIT_SHAPES],
        *[(model, {"exponent": 20.0}) for model in ("phong", "blinn", "phong_limit")]]
@@ -405,17 +163,6 @@ def test_area_lamp(model, parameters):
     size = 24 if parameters["exponent"] <= 20.0 else 48
     reference = gathered(lambda view, light: brdf.MODELS[model].evaluate(view, light, **parameters), size, lamp_points)
     assert_lit(create_material(model, **parameters), area_lamp, reference, size, samples=256)
-
-
-def total_under_the_lamp(model, parameters, size=48, samples=64, pictures=6):
-    """All light of a sphere under the lamp over the formula's, less one, and its standard error."""
-    reference = gathered(lambda view, light: brdf.MODELS[model].evaluate(view, light, **parameters), size, lamp_points)
-    covered = zones_of(reference, size)[0]
-    with room.Room(create_material(model, **parameters), room.BALL, size, exact_pixels=True) as place:
-        area_lamp(place)
-        place.look_from((0.0, 0.0, 1.0), 2.0 * (1.0 + 1.0 / size))
-        ratios = [verify.total_ratio(place.render(samples, seed), reference, covered) for seed in range(pictures)]
-    return np.mean(ratios) - 1.0, np.std(ratios, ddof=1) / np.sqrt(pictures)
 
 
 @pytest.fixture(scope="module")
@@ -481,17 +228,6 @@ DEFAULT = ("pumped_phong", shape(20.0, 1.0, True))
 LOWEST_SAMPLE, LARGEST_SAMPLE, NEGATIVE_LIGHT = -0.5, 6.0, 1e-3
 
 
-def plane(material, view_deg, samples=256, resolution=16, seed=0, sky=1.0, arrange=None):
-    """Pixels (N, 3) of a plane of `material`; `arrange(room)` changes the scene before it is rendered."""
-    with room.Room(material, room.PLANE, resolution) as place:
-        place.sky(sky)
-        angle = np.radians(view_deg)
-        place.look_from((np.sin(angle), 0.0, np.cos(angle)))
-        if arrange:
-            arrange(place)
-        return place.render(samples, seed).reshape(-1, 3)
-
-
 def assert_shows(pixels, value):
     """Independent pixels whose mean is `value` within the furnace's bound."""
     noise = pixels.std(axis=0, ddof=1) / np.sqrt(len(pixels))
@@ -500,19 +236,6 @@ def assert_shows(pixels, value):
 
 def albedo_at(view_deg, model=DEFAULT[0], parameters=DEFAULT[1]):
     return float(brdf.MODELS[model].albedo(cosines([view_deg]), **parameters)[0])
-
-
-def node_of(material):
-    from addon.blender.material import groups
-
-    return groups.find_node(material)
-
-
-def sockets_of(material):
-    """{parameter id: socket} of the node of ours in a material."""
-    from addon.blender.material import sockets
-
-    return sockets.by_id(node_of(material))
 
 
 def surface_socket(material):
@@ -823,17 +546,6 @@ def test_without_light_spread(model):
 
 
 # Planted errors: the checks above must find them.
-
-PLANTED = {
-    "a wrong lobe": ("SPOILT_TARGET(value)", "(value) * (hit.n + 3.0) / (hit.n + 2.0)"),
-    "splats four times too heavy, and only adding": ("SPOILT_SPLAT(weight)", "4.0 * abs(weight)"),
-    "base lobes 2 % too bright": ("SPOILT_BASE(weight)", "1.02 * (weight)"),
-}
-
-
-def plant(monkeypatch, hook, value):
-    """Put an error into every shader compiled from here on."""
-    monkeypatch.setitem(definitions.HOOKS, hook, value)
 
 
 @pytest.mark.parametrize("error", PLANTED)

@@ -5,26 +5,13 @@ that these are small enough to decide.
 """
 import numpy as np
 import pytest
-from test_render import (
-    FURNACE_BOUND,
-    FURNACE_NOISE,
-    POINT_BOUND,
-    POINT_NOISE,
-    SIGMAS,
-    TOTAL_BOUND,
-    TOTAL_NOISE,
-    Sun,
-    albedo_of,
-    assert_good,
-    ball,
-    cosines,
-    directions_of,
-    plane,
-    plant,
-    rgb,
-    sockets_of,
-    total_under_the_lamp,
-)
+from blender_help.materials import plant, sockets_of
+from optics.directions import cosines, rgb
+from optics.furnace import FURNACE_BOUND, FURNACE_NOISE, SIGMAS, albedo_of, assert_good
+from optics.lamp import total_under_the_lamp
+from optics.plane import plane
+from optics.points import POINT_BOUND, POINT_NOISE, directions_of
+from optics.sun import TOTAL_BOUND, TOTAL_NOISE, Sun, ball
 
 from addon import brdf, create_material, verify
 from addon.brdf.geometry import view_at

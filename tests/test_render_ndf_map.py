@@ -5,14 +5,16 @@ As in test_render_weights.py the truth is NumPy, bounds are two-sided and widene
 import bpy
 import numpy as np
 import pytest
-from test_ndf_map import letter, spot, written
-from test_render import SIGMAS, node_of, sockets_of
-from test_render_weights import is_striped, picture_of
+from blender_help.materials import node_of, sockets_of
+from optics.furnace import SIGMAS
+from optics.images import letter, spot, written
+from optics.plane import is_striped, picture_of
 
 from addon import create_material, verify
 from addon.baking.rows import row_bake
 from addon.blender.material import baked_state, materials, sockets
 from addon.brdf import MODELS
+from addon.brdf.errors import ImageError
 
 pytestmark = pytest.mark.blender
 
@@ -111,6 +113,6 @@ def test_an_image_that_changes(tmp_path, monkeypatch):
     assert not baked_state.is_stale(node)
     monkeypatch.undo()
     roughness = material.roughness
-    with pytest.raises(ValueError, match=r"elsewhere\.exr: no such file"):
+    with pytest.raises(ImageError, match=r"elsewhere\.exr"):
         materials.set_value(node, MODEL.parameter("image"), str(tmp_path / "elsewhere.exr"))
     assert baked_state.is_stale(node) and is_striped(picture_of(material)) and material.roughness == roughness

@@ -6,20 +6,11 @@ the mean of both, off by what the panel states; bounds are those of weights that
 import bpy
 import numpy as np
 import pytest
-from test_render import (
-    FURNACE_BOUND,
-    SIGMAS,
-    TOTAL_BOUND,
-    TOTAL_NOISE,
-    Sun,
-    albedo_of,
-    cosines,
-    node_of,
-    plane,
-    rgb,
-    sockets_of,
-)
-from test_render_weights import LEANING, is_striped, picture_of
+from blender_help.materials import node_of, sockets_of
+from optics.directions import cosines, rgb
+from optics.furnace import FURNACE_BOUND, SIGMAS, albedo_of
+from optics.plane import LEANING, is_striped, picture_of, plane
+from optics.sun import TOTAL_BOUND, TOTAL_NOISE, Sun
 
 from addon import brdf, create_material
 from addon.blender.backend import osl

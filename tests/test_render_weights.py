@@ -10,21 +10,15 @@ from dataclasses import replace
 import bpy
 import numpy as np
 import pytest
-from test_render import (
-    FURNACE_BOUND,
-    POINT_BOUND,
-    SIGMAS,
-    TOTAL_BOUND,
-    TOTAL_NOISE,
-    Sun,
-    albedo_of,
-    cosines,
-    node_of,
-    plane,
-    rgb,
-    sockets_of,
-    total_under_the_lamp,
-)
+from blender_help.materials import node_of, sockets_of
+from optics.directions import cosines, rgb
+from optics.furnace import FURNACE_BOUND, SIGMAS, albedo_of
+from optics.lamp import total_under_the_lamp
+from optics.names import name_of
+from optics.plane import LEANING, is_striped, picture_of, plane
+from optics.points import POINT_BOUND
+from optics.shapes import COPPER
+from optics.sun import TOTAL_BOUND, TOTAL_NOISE, Sun
 
 from addon import brdf, create_material, verify
 from addon.blender.material import baked_state, groups, materials
@@ -33,7 +27,6 @@ from addon.brdf.geometry import view_at
 pytestmark = pytest.mark.blender
 
 ANGLES = (1.0, 45.0, 70.0, 82.0)
-COPPER = {"fresnel_type": "schlick", "base_color": (0.95, 0.64, 0.54)}
 # Each model, at least once; the plain ones at the ends of their shapes.
 SHAPES = [
     ("ward", {}), ("ward", {"roughness_u": 0.01, "roughness_v": 0.01}),
@@ -51,18 +44,9 @@ SHAPES = [
 ]
 
 
-def name_of(value):
-    return str(value) if not isinstance(value, dict) else " ".join(f"{k}={v}" for k, v in value.items()) or "default"
-
-
 def test_every_baked_model_is_rendered():
     elsewhere = {"ndf_map"}  # test_render_ndf_map.py
     assert {name for name, _ in SHAPES + STRETCHED} | elsewhere == {name for name, m in brdf.MODELS.items() if m.baked}
-
-
-# Before version 5 Blender makes facets that lean too bright, the more the more slanted the view: of wide lobes by up to
-# these parts of all light, at each of ANGLES.
-LEANING = np.zeros(4) if bpy.app.version >= (5, 0) else np.array([0.0, 0.01, 0.04, 0.04])
 
 
 def held(model, given, bound=FURNACE_BOUND):
@@ -162,15 +146,6 @@ def test_a_mirror_spike_mirrors():
 
 
 # Values that the weights are not for.
-
-
-def picture_of(material):
-    return plane(material, 30.0, samples=4, resolution=64)
-
-
-def is_striped(pixels):
-    """Stripes of one colour and none: nothing that a reflectance makes of an even sky."""
-    return pixels.std() > 0.3 * pixels.mean()
 
 
 @pytest.mark.versions

@@ -227,9 +227,9 @@ def test_unknown_lut():
 
 
 def test_a_table_that_cannot_be_used(table_folder):
-    with pytest.raises(TableError, match="missing") as caught:
+    with pytest.raises(TableError) as caught:
         source.assemble(MODELS["pumped_blinn"])
-    assert str(table_folder) in str(caught.value)
+    assert caught.value.code == "missing" and caught.value.path.parent == table_folder
     # File materials find out when they render, and the unpumped models need no table.
     assert str(table_folder) in source.assemble(MODELS["pumped_blinn"], source.FILE)
     assert source.assemble(MODELS["blinn"])

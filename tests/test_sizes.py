@@ -15,6 +15,7 @@ import pytest
 from addon import cli
 from addon.baking import bake, sizes
 from addon.brdf import MODELS, axes, exr, lobes, pump_stages, tables
+from addon.brdf.errors import ParameterError
 from addon.brdf.tables import TABLES, TableError
 from addon.shading import source
 
@@ -69,14 +70,15 @@ def test_a_resolution_is_a_number_of_nodes(resolution, factor):
     assert seconds / standard == pytest.approx(sizes.RESOLUTIONS[resolution].cost, rel=0.15)
 
 
-@pytest.mark.parametrize("given, named", [
-    ({"resolution": "coarse"}, "'coarse'"), ({"lowest": 0.5}, "0.5"), ({"highest": 2e5}, "200000"),
-    ({"lowest": 60.0, "highest": 100.0}, "60 .. 100"), ({"lowest": float("nan")}, "nan"),
-    ({"highest": float("inf")}, "inf"),
+@pytest.mark.parametrize("given, parameter, code, named", [
+    ({"resolution": "coarse"}, "resolution", "choice", "'coarse'"), ({"lowest": 0.5}, "range", "range", "0.5"),
+    ({"highest": 2e5}, "range", "range", "200000"), ({"lowest": 60.0, "highest": 100.0}, "range", "range", "60 .. 100"),
+    ({"lowest": float("nan")}, "range", "range", "nan"), ({"highest": float("inf")}, "range", "range", "inf"),
 ])
-def test_sizes_that_are_refused(given, named):
-    with pytest.raises(ValueError, match=re.escape(named)):
+def test_sizes_that_are_refused(given, parameter, code, named):
+    with pytest.raises(ParameterError, match=re.escape(named)) as caught:
         sizes.Size(**given)
+    assert (caught.value.parameter, caught.value.code) == (parameter, code)
 
 
 # Errors
@@ -127,8 +129,9 @@ def test_a_file_tells_its_axes_and_all_follow(small, monkeypatch):
     np.testing.assert_allclose(tables.albedos("phong", False, mu, 500.0), truth, rtol=2e-5)
     text = source.assemble(dataclasses.replace(MODELS["pumped_phong"], tables=(SMALL.name,)))
     assert f"Axes(12, 5.0, 0.0, 3, 0.1, 0.5, {table.stamp!r}, 0, 3, 2.0, 500.0)" in text
-    with pytest.raises(TableError, match="axes"):
+    with pytest.raises(TableError) as caught:
         tables.load(SMALL)
+    assert caught.value.code == "axes"
 
 
 @pytest.mark.parametrize("told", [
@@ -143,16 +146,17 @@ def test_a_file_tells_its_axes_and_all_follow(small, monkeypatch):
 def test_axes_that_cannot_be_are_refused(small, told):
     nodes = np.full((6, 24, 4), 0.5)
     exr.write(small.path, tables.marked(small, nodes), {tables.AXES: told})
-    with pytest.raises(TableError, match="impossible axes") as caught:
+    with pytest.raises(TableError) as caught:
         tables.in_use(small.name)
-    assert str(small.path) in str(caught.value) and "plausible bake" in str(caught.value)
+    assert caught.value.code == "impossible" and caught.value.path == small.path
 
 
 def test_axes_that_the_markers_contradict_are_stale(small):
     told = json.dumps({"columns": 24, "rows": 6, "lowest": 1.0, "highest": 1000.0})
     exr.write(small.path, tables.marked(small, np.full((6, 24, 4), 0.5)), {tables.AXES: told})
-    with pytest.raises(TableError, match="stale"):
+    with pytest.raises(TableError) as caught:
         tables.in_use(small.name)
+    assert caught.value.code == "stale"
 
 
 def test_exponents_beyond_a_table_are_refused(small):
@@ -161,7 +165,7 @@ def test_exponents_beyond_a_table_are_refused(small):
     for exponent in (1.9, 501.0):
         with pytest.raises(TableError, match=f"exponent: {exponent:g} is outside 2 .. 500") as caught:
             model.albedo([0.5], exponent=exponent, control=False)
-        assert str(small.path) in str(caught.value)
+        assert caught.value.code == "range" and caught.value.path == small.path
     for exponent in (2.0, 500.0, 500.00003):  # the last is what single precision may make of it
         assert 0.5 < model.albedo([0.5], exponent=exponent, control=False)[0] < 1.0
     assert model.albedo([0.5], exponent=1.0, pumps=0.0)[0] > 0.0, "what reads no table has no range"

@@ -152,3 +152,34 @@ def test_each_room_can_be_imported_first(name):
 def test_modules_say_what_they_are_for():
     silent = [name for name, path in MODULES.items() if not ast.get_docstring(ast.parse(path.read_text("utf-8")))]
     assert silent == []
+
+
+# Tests: what several of them share stands in packages beside them.
+
+SHARED = ("blender_help", "optics", "truth")
+
+
+def imported_by_tests():
+    """(file, module) of each import in the tests and in what they share."""
+    tests = ROOT / "tests"
+    for path in sorted(tests.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                yield from ((path.relative_to(tests).as_posix(), alias.name) for alias in node.names)
+            elif isinstance(node, ast.ImportFrom):
+                yield path.relative_to(tests).as_posix(), node.module
+
+
+def test_no_test_file_imports_another():
+    found = list(imported_by_tests())
+    assert ("test_models.py", "truth") in found or ("test_models.py", "truth.quadrature") in found
+    assert [(path, name) for path, name in found if name.split(".")[-1].startswith("test_")] == []
+
+
+def test_truth_shares_no_code_with_the_product():
+    """It reads an image's pixels and a row's layout; formulas are its own, and Blender and what renders are not in it.
+    """
+    found = {(path, name) for path, name in imported_by_tests() if path.startswith("truth/")}
+    assert {name for _, name in found if name.split(".")[0] in ("addon", "bpy", *SHARED)} <= {
+        "addon.brdf", "addon.baking", "truth.quadrature"}
+    assert {path for path, name in found if name.startswith("addon")} == {"truth/literature.py", "truth/rows.py"}

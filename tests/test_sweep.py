@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from quadrature import view_at
+from truth.quadrature import view_at
 
 from addon.brdf import MODELS, fresnel
 from addon.brdf.pumped_model import PumpedModel

@@ -1,7 +1,7 @@
 """Switching between two states of a material and back."""
 import numpy as np
 import pytest
-from recorder import context_for, drawn, operators, texts
+from blender_help.recorder import context_for, drawn, operators, texts
 
 from addon import create_material
 from addon.brdf import MODELS, tables

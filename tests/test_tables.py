@@ -181,10 +181,15 @@ def damaged(kind, table):
         exr.write(table.path, whole, {})
 
 
-@pytest.mark.parametrize("kind", [
-    "missing", "folder", "empty", "truncated", "header only", "longer", "not an image", "resized", "row lost", "stale",
-    "upside down", "one marker altered", "NaN", "infinite", "negative", "zero", "too large",
-])
+CODES = {
+    "missing": "missing", "folder": "unreadable", "resized": "resized", "row lost": "resized",
+    **dict.fromkeys(("empty", "truncated", "header only", "longer", "not an image"), "image"),
+    **dict.fromkeys(("stale", "upside down", "one marker altered"), "stale"),
+    **dict.fromkeys(("NaN", "infinite", "negative", "zero", "too large"), "albedos"),
+}
+
+
+@pytest.mark.parametrize("kind", CODES)
 def test_what_is_wrong_with_a_table_is_said(kind, small):
     damaged(kind, small)
     tables.forget()
@@ -192,8 +197,7 @@ def test_what_is_wrong_with_a_table_is_said(kind, small):
         brdf.MODELS["pumped_phong"].albedo(0.5, control=False)
     message = str(caught.value)
     assert str(small.path) in message and "plausible bake" in message and "\n" not in message
-    if kind in ("missing", "truncated", "stale"):
-        assert kind in message
+    assert caught.value.path == small.path and caught.value.code == CODES[kind]
     # What reads no table goes on.
     assert brdf.MODELS["pumped_phong"].albedo(0.5, control=False, pumps=0.0)[0] > 0.0
 
@@ -239,9 +243,9 @@ def test_we_read_what_openimageio_writes(tmp_path):
             np.testing.assert_array_equal(pixels, PIXELS)
             assert metadata["plausible:model"] == "theirs"
         else:
-            with pytest.raises(exr.ExrError, match="uncompressed") as caught:
+            with pytest.raises(exr.ExrError) as caught:
                 exr.read(path)
-            assert str(path) in str(caught.value)
+            assert caught.value.code == "format" and str(path) in str(caught.value)
 
 
 def test_every_truncation_is_an_exr_error():

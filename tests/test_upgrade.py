@@ -7,7 +7,7 @@ roughness, "Baked" a Ward, "Wrapped" a disk lump, and "Mine" a user's node group
 from pathlib import Path
 
 import pytest
-from recorder import context_for, drawn, operators, texts
+from blender_help.recorder import context_for, drawn, operators, texts
 
 from addon.brdf import MODELS
 from addon.version import VERSION, parts

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from addon import cli, verify
+from addon.brdf.errors import ArgumentError, BrdfError
 from addon.verify import comparison, instruments, room, standards, subject
 
 pytestmark = pytest.mark.blender
@@ -133,15 +134,19 @@ def test_measuring_twice_gives_the_same_and_leaves_nothing_behind():
     assert {kind: len(getattr(bpy.data, kind)) for kind in kinds} == before
 
 
-@pytest.mark.parametrize("call", [
-    lambda m: verify.furnace(m, [90.0]), lambda m: verify.furnace(m, [np.nan]), lambda m: verify.furnace(m, []),
-    lambda m: verify.furnace(m, [0.0], samples=0), lambda m: verify.furnace(m, [0.0], resolution=2.5),
-    lambda m: verify.goniometer(m, [0.0, 1.0], LIGHTS), lambda m: verify.goniometer(m, 0.0, [(0.0, 0.0, -1.0)]),
-    lambda m: verify.goniometer(m, 0.0, [(0.0, 0.0, 2.0)]), lambda m: verify.goniometer(m, -5.0, LIGHTS),
+@pytest.mark.parametrize("argument, call", [
+    ("angles_deg", lambda m: verify.furnace(m, [90.0])), ("angles_deg", lambda m: verify.furnace(m, [np.nan])),
+    ("angles_deg", lambda m: verify.furnace(m, [])), ("samples", lambda m: verify.furnace(m, [0.0], samples=0)),
+    ("resolution", lambda m: verify.furnace(m, [0.0], resolution=2.5)),
+    ("view_deg", lambda m: verify.goniometer(m, [0.0, 1.0], LIGHTS)),
+    ("lights", lambda m: verify.goniometer(m, 0.0, [(0.0, 0.0, -1.0)])),
+    ("lights", lambda m: verify.goniometer(m, 0.0, [(0.0, 0.0, 2.0)])),
+    ("view_deg", lambda m: verify.goniometer(m, -5.0, LIGHTS)),
 ])
-def test_wrong_arguments_are_refused(call):
-    with pytest.raises(ValueError, match="angles_deg|samples|resolution|view_deg|lights"):
+def test_wrong_arguments_are_refused(argument, call):
+    with pytest.raises(ArgumentError) as caught:
         call(standards.diffuse().material())
+    assert caught.value.argument == argument
 
 
 def test_verdicts():
@@ -149,10 +154,12 @@ def test_verdicts():
                             [[0.0] * 3, [1e-3] * 3, [1e-3] * 3, [0.0] * 3, [0.1] * 3], 1e-2)
     assert report.verdicts() == [comparison.OK, *[comparison.FAILED] * 3, comparison.NOISY]
     assert report.verdict == comparison.FAILED
-    with pytest.raises(ValueError, match="tolerance"):
+    with pytest.raises(ArgumentError) as caught:
         verify.compare(np.ones((1, 3)), [1.0], np.zeros((1, 3)), 0.0)
-    with pytest.raises(ValueError, match="shapes"):
+    assert caught.value.argument == "tolerance"
+    with pytest.raises(BrdfError) as caught:
         verify.compare(np.ones((2, 3)), [1.0], np.zeros((1, 3)), 1.0)
+    assert caught.value.code == "shape"
 
 
 def test_furnace_command_prints_json_and_plots(tmp_path, capfd):

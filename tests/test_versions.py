@@ -68,15 +68,12 @@ def shaders_of(*tests):
 
 
 @pytest.mark.blender  # whose modules are looked at
-def test_every_shader_is_rendered_in_each_version():
+def test_every_shader_is_rendered_in_each_version(request):
     """In a furnace, under a sun, and under a lamp."""
-    import test_render
-    import test_render_disk
-    import test_render_weights
-
+    files = [pytest.Module.from_parent(request.session, path=ROOT / "tests" / f"{name}.py").obj
+             for name in ("test_render", "test_render_disk", "test_render_weights")]
     shaders = {source.program_of(model) for model in MODELS.values()}
     assert {name for name, *_ in shaders} == {path.name for path in (ROOT / "osl").glob("*.osl")}
-    files = (test_render, test_render_disk, test_render_weights)
     assert shaders_of(*(file.test_furnace for file in files)) == shaders
     assert shaders_of(*(file.test_sphere_under_a_sun for file in files)) == shaders
     assert shaders_of(*(file.test_area_lamp for file in files)) == shaders

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_literature import half_vector_lights
-from test_weights import Row
+from truth.hemisphere import half_vector_lights
+from truth.rows import Row
 
 from addon import cli
 from addon.baking.rows import error as rows_error

@@ -1,9 +1,9 @@
 """The interface in other languages: tables are complete, name nothing that is not shown, and keep numbers in place."""
 import string
 
-import interface_words
 import pytest
-from recorder import context_for, drawn, texts
+from blender_help import interface_words
+from blender_help.recorder import context_for, drawn, texts
 
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 

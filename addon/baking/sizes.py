@@ -5,6 +5,7 @@ A reading between nodes errs by the square of their distance, so half the column
 from dataclasses import dataclass
 
 from ..brdf import MODELS, find_model, tables
+from ..brdf.errors import ParameterError
 from ..brdf.parameters import MAX_EXPONENT, MIN_EXPONENT
 
 
@@ -50,7 +51,8 @@ class Size:
 
     def __post_init__(self):
         if self.resolution not in RESOLUTIONS:
-            raise ValueError(f"resolution: {self.resolution!r} is not one of {', '.join(RESOLUTIONS)}")
+            raise ParameterError("resolution", "choice", self.resolution,
+                                 f"{self.resolution!r} is not one of {', '.join(RESOLUTIONS)}", RESOLUTIONS)
         tables.check_range(self.lowest, self.highest)
 
     @property

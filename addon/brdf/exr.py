@@ -8,12 +8,17 @@ from pathlib import Path
 
 import numpy as np
 
+from .errors import BrdfError
+
 _MAGIC, _VERSION, _FLOAT = 20000630, 2, 2
 _CHANNELS = "ABGR"  # a scanline stores its channels in alphabetical order
 
 
-class ExrError(ValueError):
-    """The file is not an image that this module wrote, or it is damaged."""
+class ExrError(BrdfError):
+    """The file is not an image that this module wrote, or it is damaged.
+
+    `code` is "header", "format" (another kind of EXR, or none) or "truncated".
+    """
 
 
 def _attribute(name, kind, payload):
@@ -54,12 +59,12 @@ def decode(data: bytes):
     except ExrError:
         raise
     except (struct.error, IndexError, KeyError, ValueError) as error:
-        raise ExrError(f"truncated or damaged header ({error})") from None
+        raise ExrError(f"truncated or damaged header ({error})", "header") from None
 
 
 def _decode(data):
     if struct.unpack_from("<ii", data) != (_MAGIC, _VERSION):
-        raise ExrError("not an uncompressed scanline EXR image")
+        raise ExrError("not an uncompressed scanline EXR image", "format")
     at, attributes = 8, {}
     while data[at] != 0:
         name_end = data.index(b"\0", at)
@@ -67,19 +72,20 @@ def _decode(data):
         (size,) = struct.unpack_from("<i", data, kind_end + 1)
         start = kind_end + 5
         if size < 0 or start + size > len(data):
-            raise ExrError("truncated header")
+            raise ExrError("truncated header", "header")
         attributes[data[at:name_end].decode()] = (data[name_end + 1 : kind_end].decode(), data[start : start + size])
         at = start + size
     channels = attributes["channels"][1]
     if channels.count(b"\0\2\0\0\0") != 4 or attributes["compression"][1] != b"\0":
-        raise ExrError("expected four uncompressed float channels R, G, B, A")
+        raise ExrError("expected four uncompressed float channels R, G, B, A", "format")
     x0, y0, x1, y1 = struct.unpack("<4i", attributes["dataWindow"][1])
     width, height = x1 - x0 + 1, y1 - y0 + 1
     block = 8 + width * 16
     body = at + 1 + 8 * height
     if not (0 < width <= 16384 and 0 < height <= 16384) or len(data) != body + height * block:
         needed = body + height * block
-        raise ExrError(f"truncated or resized: {len(data)} bytes where {width} x {height} pixels need {needed}")
+        raise ExrError(f"truncated or resized: {len(data)} bytes where {width} x {height} pixels need {needed}",
+                       "truncated")
     lines = np.frombuffer(data, np.uint8, offset=body).reshape(height, block)[:, 8:]
     pixels = np.ascontiguousarray(lines).view("<f4").reshape(height, 4, width).transpose(0, 2, 1)[:, :, ::-1]
     metadata = {key: value.decode() for key, (kind, value) in attributes.items() if kind == "string"}
@@ -102,4 +108,4 @@ def read(path: Path):
     try:
         return decode(Path(path).read_bytes())
     except ExrError as error:
-        raise ExrError(f"{path}: {error}") from None
+        raise ExrError(f"{path}: {error}", error.code) from None

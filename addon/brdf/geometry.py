@@ -1,6 +1,8 @@
 """Directions in the local frame: +z is the shading normal, `view` and `light` are unit vectors of shape (N, 3)."""
 import numpy as np
 
+from .errors import ArgumentError
+
 
 def directions(name: str, value) -> np.ndarray:
     """Return `value` as unit vectors (N, 3), float64.
@@ -10,22 +12,24 @@ def directions(name: str, value) -> np.ndarray:
     try:
         array = np.atleast_2d(np.asarray(value, dtype=np.float64))
     except (TypeError, ValueError):
-        raise ValueError(f"{name}: expected unit vectors of shape (N, 3), got {value!r}") from None
+        raise ArgumentError(name, "type", f"expected unit vectors of shape (N, 3), got {value!r}") from None
     if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"{name}: expected unit vectors of shape (N, 3), got shape {np.shape(value)}")
+        raise ArgumentError(name, "shape", f"expected unit vectors of shape (N, 3), got shape {np.shape(value)}")
     if not np.isfinite(array).all():
         bad = array[~np.isfinite(array).all(axis=1)][0]
-        raise ValueError(f"{name}: every component must be finite, got {bad.tolist()}")
+        raise ArgumentError(name, "finite", f"every component must be finite, got {bad.tolist()}")
     length = np.linalg.norm(array, axis=1)
     if np.any(np.abs(length - 1.0) > 1e-4):
-        raise ValueError(f"{name}: expected unit vectors, got lengths {length.min():.6g} to {length.max():.6g}")
+        raise ArgumentError(name, "length", "expected unit vectors, got lengths "
+                            f"{length.min():.6g} to {length.max():.6g}")
     return array / length[:, None]
 
 
 def paired(first: str, a: np.ndarray, second: str, b: np.ndarray):
     """`a` and `b` as equally many rows; one row counts for all. Raises ValueError with their names where it cannot."""
     if len(a) != len(b) and 1 not in (len(a), len(b)):
-        raise ValueError(f"{first}, {second}: expected equally many rows, or one for all, got {len(a)} and {len(b)}")
+        raise ArgumentError(f"{first}, {second}", "rows",
+                            f"expected equally many rows, or one for all, got {len(a)} and {len(b)}")
     rows = len(b) if len(a) == 1 else len(a)
     return np.broadcast_to(a, (rows, a.shape[1])), np.broadcast_to(b, (rows, b.shape[1]))
 

@@ -6,10 +6,12 @@ scale is such that its integral over the hemisphere is 1. What lies outside the 
 """
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from pathlib import Path
 
 import numpy as np
 
 from . import images
+from .errors import ImageError
 from .samplers import HalfCells, half_vectors
 
 MOST = 256  # pixels across: larger images are averaged down
@@ -97,26 +99,26 @@ def lights(nodes, view):
 
 
 def of_image(luminance, turn: float = 0.0) -> HalfMap:
-    """The distribution of an image (N, N) of any unit, row 0 at the top. Raises ValueError for one of no use."""
+    """The distribution of an image (N, N) of any unit, row 0 at the top. Raises ImageError for one of no use."""
     height, width = luminance.shape
     if height != width:
-        raise ValueError(f"{width} x {height} pixels; it must be square, or half vectors would be stretched")
+        raise ImageError(f"{width} x {height} pixels; it must be square, or half vectors would be stretched", "square")
     if not 2 <= width <= LARGEST:
-        raise ValueError(f"{width} pixels across are not within 2 .. {LARGEST}")
+        raise ImageError(f"{width} pixels across are not within 2 .. {LARGEST}", "size")
     if not np.isfinite(luminance).all() or luminance.min() < 0.0:
         bad = luminance[~np.isfinite(luminance) | (luminance < 0.0)][0]
-        raise ValueError(f"a pixel is {bad:g}; densities are finite numbers, 0 or more")
+        raise ImageError(f"a pixel is {bad:g}; densities are finite numbers, 0 or more", "pixel")
     relative = HalfMap(_averaged(luminance[::-1] / max(luminance.max(), 1e-300)))
     total = relative.nodes[2].sum()
     if not total > 0.0:
-        raise ValueError("every pixel inside the unit circle is 0; there is no half vector to reflect by")
+        raise ImageError("every pixel inside the unit circle is 0; there is no half vector to reflect by", "black")
     return HalfMap(relative.pixels / total, turn)
 
 
 def load(path, turn: float = 0.0) -> HalfMap:
     """The distribution of an image file, turned by `turn` radians; kept until the file changes.
 
-    Raises ValueError that names the file and what is wrong with it.
+    Raises ImageError that names the file and what is wrong with it.
     """
     return _load(str(path), turn, images.stamp(path))
 
@@ -126,8 +128,8 @@ def _load(path, turn, _):
     luminance = images.luminance(path)
     try:
         return of_image(luminance, turn)
-    except ValueError as error:
-        raise ValueError(f"image: {path}: {error}") from None
+    except ImageError as error:
+        raise ImageError(f"image: {path}: {error}", error.code, Path(path)) from None
 
 
 def _averaged(pixels):

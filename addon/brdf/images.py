@@ -9,6 +9,7 @@ import numpy as np
 
 from . import exr
 from .channels import LUMINANCE
+from .errors import ImageError
 
 _DEPTHS = ("uint8", "uint16")  # painted images: sRGB's curve is on them
 
@@ -25,16 +26,16 @@ def stamp(path) -> tuple:
 def luminance(path) -> np.ndarray:
     """Linear luminance (height, width) of an image, float64, row 0 at the top.
 
-    Float images hold linear Rec. 709, those of 8 or 16 bits sRGB. Raises ValueError that names the file and what is
+    Float images hold linear Rec. 709, those of 8 or 16 bits sRGB. Raises ImageError that names the file and what is
     wrong with it.
     """
     path = Path(path)
     if not path.is_file():
-        raise ValueError(f"image: {path}: no such file")
+        raise ImageError(f"image: {path}: no such file", "missing", path)
     try:
         pixels = exr.read(path)[0].astype(np.float64)
     except OSError as error:
-        raise ValueError(f"image: {path} cannot be opened ({error.strerror})") from None
+        raise ImageError(f"image: {path} cannot be opened ({error.strerror})", "unreadable", path) from None
     except exr.ExrError:
         pixels = _by_openimageio(path)
     return pixels[..., :3] @ LUMINANCE if pixels.shape[2] >= 3 else pixels[..., 0]
@@ -44,17 +45,18 @@ def _by_openimageio(path):
     try:
         import OpenImageIO
     except ImportError:
-        raise ValueError(f"image: {path}: only EXR of four uncompressed float channels can be read here; the package "
-                         "OpenImageIO, which reads others, is missing") from None
+        raise ImageError(f"image: {path}: only EXR of four uncompressed float channels can be read here; the package "
+                         "OpenImageIO, which reads others, is missing", "reader", path) from None
     file = OpenImageIO.ImageInput.open(str(path))
     if file is None:
-        raise ValueError(f"image: {path} is no image ({OpenImageIO.geterror().strip().splitlines()[0]})")
+        problem = OpenImageIO.geterror().strip().splitlines()[0]
+        raise ImageError(f"image: {path} is no image ({problem})", "format", path)
     try:
         pixels, kind = file.read_image("float"), str(file.spec().format)
     finally:
         file.close()
     if pixels is None:
-        raise ValueError(f"image: {path} is damaged ({file.geterror().strip().splitlines()[0]})")
+        raise ImageError(f"image: {path} is damaged ({file.geterror().strip().splitlines()[0]})", "damaged", path)
     pixels = np.atleast_3d(np.asarray(pixels, dtype=np.float64))
     return _linear(pixels) if kind in _DEPTHS else pixels
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import images
+from .errors import ParameterError
 
 # Sections that parameters are shown in, in nodes, panels and pages.
 LOBE, RETROREFLECTION, COLOR, GEOMETRY, SAMPLING = "Lobe", "Retroreflection", "Color", "Geometry", "Sampling"
@@ -72,7 +73,7 @@ class Parameter:
         return max(low, self.minimum), min(high, self.maximum)
 
     def check(self, value):
-        """`value` in the parameter's type. Raises ValueError that names the value and what is allowed."""
+        """`value` in the parameter's type. Raises ParameterError that names the value and what is allowed."""
         if self.kind in ("color", "vector"):
             return self._check_triple(value)
         if self.kind == "image":
@@ -80,18 +81,18 @@ class Parameter:
         if self.kind == "enum" and isinstance(value, str):
             names = [item[0] for item in self.items]
             if value not in names:
-                raise ValueError(f"{self.id}: {value!r} is not one of {', '.join(names)}")
+                raise ParameterError(self.id, "choice", value, f"{value!r} is not one of {', '.join(names)}", names)
             return names.index(value)
         try:
             number = float(value)
         except (TypeError, ValueError):
-            raise ValueError(f"{self.id}: expected a number, got {value!r}") from None
+            raise ParameterError(self.id, "type", value, f"expected a number, got {value!r}") from None
         if not math.isfinite(number) or not self.minimum <= number <= self.maximum:
-            raise ValueError(f"{self.id}: {number:g} is outside {self.minimum:g} .. {self.maximum:g}")
+            raise self._outside(number, f"{number:g}")
         if self.kind == "float":
             return number
         if number != int(number):
-            raise ValueError(f"{self.id}: expected a whole number, got {number:g}")
+            raise ParameterError(self.id, "type", number, f"expected a whole number, got {number:g}")
         return bool(number) if self.kind == "bool" else int(number)
 
     def clamp(self, value):
@@ -113,23 +114,27 @@ class Parameter:
         """The stamp of an image's file, which changes with it; () of other kinds, and where there is no file."""
         return images.stamp(value) if self.kind == "image" and value else ()
 
+    def _outside(self, value, shown):
+        return ParameterError(self.id, "range", value, f"{shown} is outside {self.minimum:g} .. {self.maximum:g}",
+                              (self.minimum, self.maximum))
+
     def _check_path(self, value):
         if not isinstance(value, str | os.PathLike):
-            raise ValueError(f"{self.id}: expected the path of an image, got {value!r}")
+            raise ParameterError(self.id, "type", value, f"expected the path of an image, got {value!r}")
         path = os.fspath(value)
         if not isinstance(path, str) or not path.isprintable():
-            raise ValueError(f"{self.id}: {path!r} is not the path of a file")
+            raise ParameterError(self.id, "path", path, f"{path!r} is not the path of a file")
         return path
 
     def _check_triple(self, value):
         try:
             triple = np.asarray(value, dtype=np.float64)
         except (TypeError, ValueError):
-            raise ValueError(f"{self.id}: expected three numbers, got {value!r}") from None
+            raise ParameterError(self.id, "type", value, f"expected three numbers, got {value!r}") from None
         if triple.ndim == 0 and self.kind == "color":
             triple = np.full(3, float(triple))
         if triple.shape != (3,):
-            raise ValueError(f"{self.id}: expected three numbers, got shape {triple.shape}")
+            raise ParameterError(self.id, "shape", value, f"expected three numbers, got shape {triple.shape}")
         if not np.isfinite(triple).all() or triple.min() < self.minimum or triple.max() > self.maximum:
-            raise ValueError(f"{self.id}: {triple.tolist()} is outside {self.minimum:g} .. {self.maximum:g}")
+            raise self._outside(tuple(triple.tolist()), triple.tolist())
         return tuple(triple.tolist())

@@ -3,6 +3,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .errors import ArgumentError, DuplicateModel, UnknownModel, UnknownParameter
 from .geometry import directions, paired
 from .parameters import Parameter
 
@@ -53,8 +54,7 @@ class Model:
         for parameter in self.parameters:
             if parameter.id == name:
                 return parameter
-        allowed = ", ".join(p.id for p in self.parameters)
-        raise ValueError(f"{self.id} has no parameter {name!r}; allowed are {allowed}")
+        raise UnknownParameter(self.id, name, (p.id for p in self.parameters))
 
     def resolve(self, given: dict) -> dict:
         """All parameters checked and completed with defaults."""
@@ -104,9 +104,9 @@ class Model:
         p = self.resolve(parameters)
         mu = np.atleast_1d(np.asarray(cos_theta, dtype=np.float64))
         if mu.ndim != 1 or not mu.size:
-            raise ValueError(f"cos_theta: expected numbers of shape (N,), got shape {mu.shape}")
+            raise ArgumentError("cos_theta", "shape", f"expected numbers of shape (N,), got shape {mu.shape}")
         if not np.all((mu >= 0.0) & (mu <= 1.0)):
-            raise ValueError(f"cos_theta: {mu[~((mu >= 0.0) & (mu <= 1.0))][0]:g} is outside 0 .. 1")
+            raise ArgumentError("cos_theta", "range", f"{mu[~((mu >= 0.0) & (mu <= 1.0))][0]:g} is outside 0 .. 1")
         return self._albedo(mu, p)
 
     def sample(self, view, u, **parameters) -> np.ndarray:
@@ -117,9 +117,9 @@ class Model:
         p = self.resolve(parameters)
         u = np.atleast_2d(np.asarray(u, dtype=np.float64))
         if u.ndim != 2 or u.shape[1] != 2:
-            raise ValueError(f"u: expected uniform numbers of shape (N, 2), got shape {u.shape}")
+            raise ArgumentError("u", "shape", f"expected uniform numbers of shape (N, 2), got shape {u.shape}")
         if not np.all((u >= 0.0) & (u <= 1.0)):
-            raise ValueError(f"u: {u[~((u >= 0.0) & (u <= 1.0))][0]:g} is outside 0 .. 1")
+            raise ArgumentError("u", "range", f"{u[~((u >= 0.0) & (u <= 1.0))][0]:g} is outside 0 .. 1")
         view, u = paired("view", directions("view", view), "u", u)
         return self._sample(view, np.maximum(u, 1e-300), p)
 
@@ -131,15 +131,15 @@ class Model:
 
 
 def find_model(name: str) -> Model:
-    """The model called `name`. Raises ValueError that lists what there is."""
+    """The model called `name`. Raises UnknownModel that lists what there is."""
     if name not in MODELS:
-        raise ValueError(f"no model {name!r}; there are {', '.join(MODELS)}")
+        raise UnknownModel(name, MODELS)
     return MODELS[name]
 
 
 def register(model: Model) -> Model:
-    """Add a model. Raises ValueError when its id is taken."""
+    """Add a model. Raises DuplicateModel when its id is taken."""
     if model.id in MODELS:
-        raise ValueError(f"model {model.id!r} is registered twice")
+        raise DuplicateModel(model.id)
     MODELS[model.id] = model
     return model

@@ -17,6 +17,7 @@ import numpy as np
 
 from . import axes, disk, exr
 from .axes import ColumnAxis, RowAxis, SineAxis
+from .errors import BrdfError, ParameterError
 from .parameters import MAX_EXPONENT, MIN_EXPONENT
 
 FORMAT = 1
@@ -30,8 +31,16 @@ PACKAGED = Path(__file__).resolve().parents[2] / "luts"
 _folder = PACKAGED
 
 
-class TableError(ValueError):
-    """An albedo table is missing, stale or damaged; the message names the file and what to do."""
+class TableError(BrdfError):
+    """An albedo table is missing, stale or damaged; the message names the file and what to do.
+
+    `path` is the file. `code` is "missing", "unreadable", "image" (it is none, or cut), "resized", "stale", "albedos",
+    "axes" (others than wanted), "impossible" (axes), or "range", beyond the exponents that it is baked for.
+    """
+
+    def __init__(self, message, code, path):
+        self.path = Path(path)
+        super().__init__(message, code)
 
 
 @dataclass(frozen=True)
@@ -148,8 +157,9 @@ def check_range(lowest, highest) -> dict:
     """
     ends = float(lowest), float(highest)
     if not MIN_EXPONENT <= ends[0] <= 0.5 * ends[1] <= 0.5 * MAX_EXPONENT:
-        raise ValueError(f"range: {ends[0]:g} .. {ends[1]:g} is not allowed: exponents go from {MIN_EXPONENT:g} to "
-                         f"{MAX_EXPONENT:g}, and a range ends at no less than twice its beginning")
+        raise ParameterError("range", "range", ends, f"{ends[0]:g} .. {ends[1]:g} is not allowed: exponents go from "
+                             f"{MIN_EXPONENT:g} to {MAX_EXPONENT:g}, and a range ends at no less than twice its "
+                             "beginning", (MIN_EXPONENT, MAX_EXPONENT))
     return {"lowest": ends[0], "highest": ends[1]}
 
 
@@ -189,7 +199,7 @@ def load(table) -> np.ndarray:
     found, nodes, _ = _file(table.name)
     if found != table:
         raise TableError(f"{table.path}: albedo table has the axes {found.told_axes()}, where {table.told_axes()} are "
-                         f"wanted; {_CURE}")
+                         f"wanted; {_CURE}", "axes", table.path)
     return nodes
 
 
@@ -227,20 +237,22 @@ def _checked(declared, path=None):
     try:
         image, metadata = exr.read(path)
     except FileNotFoundError:
-        raise TableError(f"{path}: albedo table is missing; {_CURE}") from None
+        raise TableError(f"{path}: albedo table is missing; {_CURE}", "missing", path) from None
     except OSError as error:
-        raise TableError(f"{path}: albedo table cannot be read ({error.strerror}); {_CURE}") from None
+        raise TableError(f"{path}: albedo table cannot be read ({error.strerror}); {_CURE}", "unreadable",
+                         path) from None
     except exr.ExrError as error:
-        raise TableError(f"{error}; {_CURE}") from None
+        raise TableError(f"{error}; {_CURE}", "image", path) from None
     table = _as_told(declared, metadata, path)
     shape = (table.height + 2, table.columns.columns, 4)
     if image.shape != shape:
-        raise TableError(f"{path}: albedo table is {image.shape}, expected {shape}: stale or resized; {_CURE}")
+        raise TableError(f"{path}: albedo table is {image.shape}, expected {shape}: stale or resized; {_CURE}",
+                         "resized", path)
     if np.any(image[[0, -1]] != marked(table, image[1:-1])[[0, -1]]):
-        raise TableError(f"{path}: albedo table is stale: its axes are not this version's; {_CURE}")
+        raise TableError(f"{path}: albedo table is stale: its axes are not this version's; {_CURE}", "stale", path)
     nodes = image[1:-1].astype(np.float64)
     if not np.isfinite(nodes).all() or nodes.min() <= table.allowed[0] or nodes.max() > table.allowed[1]:
-        raise TableError(f"{path}: albedo table holds impossible albedos; {_CURE}")
+        raise TableError(f"{path}: albedo table holds impossible albedos; {_CURE}", "albedos", path)
     return table, nodes, metadata
 
 
@@ -251,7 +263,7 @@ def _as_told(declared, metadata, path):
     try:
         return declared.with_axes(**json.loads(metadata[AXES]))
     except (TypeError, ValueError) as error:
-        raise TableError(f"{path}: albedo table tells impossible axes ({error}); {_CURE}") from None
+        raise TableError(f"{path}: albedo table tells impossible axes ({error}); {_CURE}", "impossible", path) from None
 
 
 def covers(span, exponent: float) -> bool:
@@ -266,7 +278,8 @@ def require(name: str, exponents):
         if not covers(table.span, exponent):
             low, high = table.span
             raise TableError(f"exponent: {exponent:g} is outside {low:g} .. {high:g}, for which {table.path} is baked; "
-                             "bake it for more exponents (`plausible bake --range`, or Bake LUTs in the panel)")
+                             "bake it for more exponents (`plausible bake --range`, or Bake LUTs in the panel)",
+                             "range", table.path)
     return table
 
 

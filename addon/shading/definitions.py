@@ -65,6 +65,7 @@ HOOKS = {
     "SPOILT_TARGET(value)": "value",  # planted errors: in the lobe that is estimated,
     "SPOILT_SPLAT(weight)": "weight",  # in what splats weigh,
     "SPOILT_BASE(weight)": "weight",  # in what base lobes weigh,
+    "SPOILT_LARGER(at_view, at_light)": "max(at_view, at_light)",  # in which albedo a stage divides by,
     "SPOILT_U(u)": "u",  # in the numbers that splats are drawn by,
     "SPOILT_V(v)": "v",
     "FIRST_NUMBER(place, apart)": "hashnoise(place, apart)",  # in a hit's first number,

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..brdf.channels import rgb
+from ..brdf.errors import ArgumentError, BrdfError
 
 OK, FAILED, NOISY = "ok", "FAILED", "noisy"
 SIGMAS = 5.0  # of the standard error: one sound row in two million lies beyond
@@ -55,7 +56,8 @@ def compare(measured, reference, noise, tolerance: float) -> Comparison:
     reference = rgb(reference)
     noise = np.atleast_2d(np.asarray(noise, dtype=np.float64))
     if not measured.shape == reference.shape == noise.shape or not len(measured):
-        raise ValueError(f"shapes differ: measured {measured.shape}, reference {reference.shape}, noise {noise.shape}")
+        raise BrdfError(f"shapes differ: measured {measured.shape}, reference {reference.shape}, noise {noise.shape}",
+                        "shape")
     if not tolerance > 0.0 or not np.isfinite(tolerance):
-        raise ValueError(f"tolerance: {tolerance} is not a positive number")
+        raise ArgumentError("tolerance", "range", f"{tolerance} is not a positive number")
     return Comparison(measured, reference, noise, float(tolerance))

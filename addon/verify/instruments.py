@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..brdf import geometry
+from ..brdf.errors import ArgumentError
 from ..brdf.geometry import directions, dot, normalize
 from . import room
 
@@ -46,7 +47,7 @@ class LitDirections(NamedTuple):
 def _angles(name, degrees):
     angles = np.atleast_1d(np.asarray(degrees, dtype=np.float64))
     if angles.ndim != 1 or not len(angles) or not np.all((angles >= 0.0) & (angles <= MAX_ANGLE)):
-        raise ValueError(f"{name}: expected angles from 0 to {MAX_ANGLE:g} degrees, got {degrees}")
+        raise ArgumentError(name, "range", f"expected angles from 0 to {MAX_ANGLE:g} degrees, got {degrees}")
     return angles
 
 
@@ -91,10 +92,10 @@ def goniometer(material, view_deg, lights, samples=16, resolution=16, seed=0, pr
     """
     angle = _angles("view_deg", view_deg)
     if len(angle) != 1:
-        raise ValueError(f"view_deg: expected one angle, got {view_deg}")
+        raise ArgumentError("view_deg", "shape", f"expected one angle, got {view_deg}")
     lights = directions("lights", lights)
     if not len(lights) or lights[:, 2].min() <= 0.0:
-        raise ValueError("lights: every light must be above the horizon")
+        raise ArgumentError("lights", "range", "every light must be above the horizon")
     rows = []
     with room.Room(material, room.PLANE, resolution) as place:
         place.look_from(_from_zenith(angle[0]))

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ..brdf.errors import ArgumentError
+
 SUN_ENERGY = math.pi  # W/m²: a white Lambertian under it, head on, shows radiance 1
 PLANE, BALL = "plane", "ball"
 _BALL_SUBDIVISIONS = 7  # 81920 triangles: the depth is right to 4e-5 radii
@@ -101,7 +103,7 @@ class Room:
 
     def __init__(self, material, shape: str, resolution: int, exact_pixels: bool = False):
         if int(resolution) != resolution or not 4 <= resolution <= 4096:
-            raise ValueError(f"resolution: {resolution} is not a whole number from 4 to 4096")
+            raise ArgumentError("resolution", "range", f"{resolution} is not a whole number from 4 to 4096")
         self.resolution = int(resolution)
         self._bpy = require_blender()
         self._folder = tempfile.TemporaryDirectory(prefix="plausible-")
@@ -217,7 +219,7 @@ class Room:
     def render(self, samples: int, seed: int = 0) -> np.ndarray:
         """Render: radiance (resolution, resolution, 3), float64, row 0 at the bottom."""
         if int(samples) != samples or not 1 <= samples <= 1 << 20:
-            raise ValueError(f"samples: {samples} is not a whole number from 1 to {1 << 20}")
+            raise ArgumentError("samples", "range", f"{samples} is not a whole number from 1 to {1 << 20}")
         self.scene.cycles.samples, self.scene.cycles.seed = int(samples), int(seed)
         path = Path(self._folder.name) / "pixels.exr"
         path.unlink(missing_ok=True)

@@ -73,7 +73,7 @@ float correction(float mu_light, CORRECTION_PARAMETERS)
     float d = 1.0;
     for (int stage = 0; stage < c.stages; stage += 1) {
         float share = min(c.pumps - stage, 1.0);
-        float m = max(c.at_view[stage], at_light[stage]);
+        float m = SPOILT_LARGER(c.at_view[stage], at_light[stage]);
         d *= share < 1.0 ? pow(m, share) : m;
         if (c.control)
             d = max(d, max(c.mu_view, mu_light));

@@ -1,7 +1,7 @@
 """Mitsuba's verdict on models, in a process of its own: it and Blender each carry an LLVM, and one process bears one.
 
-    python tests/mitsuba_judge.py chi2 JOBS.json     prints what its chi-square test says of each job
-    python tests/mitsuba_judge.py render JOBS.json   renders each job, and writes its pictures as .npy
+    python tests/optics/mitsuba_judge.py chi2 JOBS.json     prints what its chi-square test says of each job
+    python tests/optics/mitsuba_judge.py render JOBS.json   renders each job, and writes its pictures as .npy
 
 Jobs are lists of dicts; what each holds is said at the functions below. What is found is JSON on standard output.
 """
@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 with contextlib.suppress(OSError):
     # Of Debian's this one: 15 and 16 cannot compile for AVX-512 what Dr.Jit asks for, which looks for any.

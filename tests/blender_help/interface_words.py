@@ -5,7 +5,7 @@ from pathlib import Path
 from addon.brdf import MODELS
 from addon.brdf.presets import PRESETS
 
-BLENDER = Path(__file__).resolve().parents[1] / "addon" / "blender"
+BLENDER = Path(__file__).resolve().parents[2] / "addon" / "blender"
 _SAYING = {"say": 0, "draw_text": 2, "Notice": 0, "Cure": 1}  # functions, and which argument is shown
 
 

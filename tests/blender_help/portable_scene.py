@@ -1,6 +1,6 @@
 """The scene that is sent on journeys: three materials of the three kinds there are, each on a sphere.
 
-As a script, `python tests/portable_scene.py FILE.blend` saves it in the Blender of that Python.
+As a script, `python tests/blender_help/portable_scene.py FILE.blend` saves it in the Blender of that Python.
 """
 import os
 import sys

@@ -5,12 +5,12 @@ A pixel of one sample holds the numbers of one hit, in single precision; one of 
 from pathlib import Path
 
 import numpy as np
-from pairs import toward
 
 from addon.shading import constants, definitions
 from addon.verify import room, standards
+from optics.directions import toward
 
-INCLUDE = Path(__file__).resolve().parents[1] / "osl" / "include"
+INCLUDE = Path(__file__).resolve().parents[2] / "osl" / "include"
 BROAD = 2e4  # metres: the side of the room's plane
 
 

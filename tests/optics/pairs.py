@@ -3,6 +3,7 @@ perspective."""
 import numpy as np
 
 from addon.verify import Measurement, room
+from optics.directions import toward
 
 
 def measured(material, views, lights, samples, seed=0, resolution=16) -> Measurement:
@@ -37,12 +38,6 @@ def until_sharp(material, views, lights, wanted, least=64, most=4096):
             value[again], noise[again] = measured(material, views[again], lights[again], samples, seed=1)
         low = high
     return Measurement(value, noise)
-
-
-def toward(angle_deg, azimuth_deg=0.0):
-    """Unit vectors (N, 3), or (3,), so many degrees from the normal and from the tangent."""
-    theta, phi = np.radians(np.broadcast_arrays(angle_deg, azimuth_deg))
-    return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
 
 
 def peak(model, given, view, count=4000):

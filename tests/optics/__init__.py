@@ -1,0 +1,1 @@
+"""Directions, scenes and statistics that several tests measure reflectance with."""
