@@ -117,3 +117,22 @@ def test_functions_are_short_and_take_few_parameters(name):
         assert parameters.count(",") < 8, parameters
         assert body.count("\n") <= 42, body[:200]
     assert FILES[name].count("\n") <= 250
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
+def test_each_shader_has_the_hooks_of_splats(model):
+    """Those that tests and benchmarks ask for would otherwise change nothing, and nobody would see."""
+    for hook in ("SPLATS", "AT_SPLAT", "SPOILT_U", "SPOILT_V"):
+        assert sum(hook in names(code(FILES[name])) for name in files_of(model)) == 1, hook
+
+
+def files_of(model):
+    """Names of the files that a model's shader is put together of."""
+    chosen = source.chosen_headers(model)
+    found = [source.shader_path(model).name]
+    for name in found:
+        for included in re.findall(r"^#include (\S+)", FILES[name], re.MULTILINE):
+            header = chosen.get(included, included.strip('"')).rpartition("/")[2]
+            if header not in found:
+                found.append(header)
+    return found
