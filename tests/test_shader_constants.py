@@ -136,3 +136,15 @@ def files_of(model):
             if header not in found:
                 found.append(header)
     return found
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_no_initialiser_has_a_struct_in_it(name):
+    """oslc takes it, and leaves the fields of that struct as they are."""
+    structs = {struct for text in FILES.values() for struct in re.findall(r"^struct (\w+) \{", text, re.MULTILINE)}
+    fields = {struct: re.findall(r"^    (\w+) ", inside, re.MULTILINE) for text in FILES.values()
+              for struct, inside in re.findall(r"^struct (\w+) \{(.*?)^\};", text, re.MULTILINE | re.DOTALL)}
+    initialised = re.findall(r"^\s*(\w+) \w+ = (?:\{|[A-Z_]+;)", code(FILES[name]), re.MULTILINE)
+    for struct in structs.intersection(initialised):
+        of = {"Target": ["float"]} if name != "reciprocal_disk.osl" else {}
+        assert not structs.intersection(of.get(struct, fields[struct])), struct
