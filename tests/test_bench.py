@@ -76,12 +76,6 @@ def test_the_base_alone_is_the_model_without_splats(model, exact):
     assert exact or abs(lost) > 1e-4
 
 
-def test_a_shader_without_the_known_place_is_refused(monkeypatch):
-    monkeypatch.setattr(nearest, "_SPLATS", (("no such words", ""),))
-    with pytest.raises(RuntimeError, match="no place where splats are drawn"):
-        nearest.base_alone(MODELS["pumped_phong"], [])
-
-
 def test_three_ways_to_an_albedo_agree():
     """A grid errs by the square of its spacing, and the others by what their sizes say."""
     for lobe in (PHONG, BLINN):

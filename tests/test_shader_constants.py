@@ -117,3 +117,34 @@ def test_functions_are_short_and_take_few_parameters(name):
         assert parameters.count(",") < 8, parameters
         assert body.count("\n") <= 42, body[:200]
     assert FILES[name].count("\n") <= 250
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
+def test_each_shader_has_the_hooks_of_splats(model):
+    """Those that tests and benchmarks ask for would otherwise change nothing, and nobody would see."""
+    for hook in ("SPLATS", "AT_SPLAT", "SPOILT_U", "SPOILT_V"):
+        assert sum(hook in names(code(FILES[name])) for name in files_of(model)) == 1, hook
+
+
+def files_of(model):
+    """Names of the files that a model's shader is put together of."""
+    chosen = source.chosen_headers(model)
+    found = [source.shader_path(model).name]
+    for name in found:
+        for included in re.findall(r"^#include (\S+)", FILES[name], re.MULTILINE):
+            header = chosen.get(included, included.strip('"')).rpartition("/")[2]
+            if header not in found:
+                found.append(header)
+    return found
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
+def test_no_initialiser_has_a_struct_in_it(model):
+    """oslc takes it, and leaves the fields of that struct as they are."""
+    text = "".join(code(FILES[name]) for name in files_of(model))
+    fields = {struct: set(re.findall(r"^    (\w+) ", inside, re.MULTILINE))
+              for struct, inside in re.findall(r"^struct (\w+) \{(.*?)^\};", text, re.MULTILINE | re.DOTALL)}
+    initialised = re.findall(r"^\s*(\w+) \w+ = (?:\{|INPUT_COLOUR)", text, re.MULTILINE)
+    for struct in set(initialised) & set(fields):
+        assert not fields[struct] & set(fields), struct
+    assert set(initialised) & set(fields)
