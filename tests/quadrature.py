@@ -119,7 +119,7 @@ class Chain:
 
 
 class Grid:
-    """a_0 .. a_3 on one grid of angles of view and light, for lobes no narrower than n = 50: to about 1e-6.
+    """a_0 .. a_3 on one grid of angles of view and light, for wide lobes: at n = 20 to about 1e-6 up to 80 degrees.
 
     The azimuth is summed by the trapezoidal rule, and over the light's angle Simpson's goes from grazing to the view's
     own angle and on from there, where D has an edge. `curves` (stages, angles) are the albedos at `cosines`.
