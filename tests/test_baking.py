@@ -102,8 +102,9 @@ def test_a_row_baked_again_is_the_same(name):
     row = table.rows.rows // 3
     first, second = bake.bake_row((table, row)), bake.bake_row((table, row))
     assert first.tobytes() == second.tobytes()
-    # Another processor or NumPy may round in another way than where the file was made.
-    np.testing.assert_allclose(first, tables.load(table)[row], rtol=2e-6)
+    # Another processor or NumPy may round in another way than where the file was made, and the shipped files were made
+    # with other nodes between the stages.
+    np.testing.assert_allclose(first, tables.load(table)[row], rtol=5e-6)
 
 
 # Files

@@ -17,6 +17,7 @@ from addon.baking import bake, sizes
 from addon.brdf import MODELS, axes, exr, lobes, pump_stages, tables
 from addon.brdf.errors import ParameterError
 from addon.brdf.tables import TABLES, TableError
+from addon.brdf.tabulated import TABULATED
 from addon.shading import source
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -161,7 +162,7 @@ def test_axes_that_the_markers_contradict_are_stale(small):
 
 def test_exponents_beyond_a_table_are_refused(small):
     bake_small(lowest=2.0, highest=500.0)
-    model = MODELS["pumped_phong"]
+    model = MODELS["pumped_phong"].with_albedos(TABULATED)
     for exponent in (1.9, 501.0):
         with pytest.raises(TableError, match=f"exponent: {exponent:g} is outside 2 .. 500") as caught:
             model.albedo([0.5], exponent=exponent, control=False)
@@ -169,6 +170,7 @@ def test_exponents_beyond_a_table_are_refused(small):
     for exponent in (2.0, 500.0, 500.00003):  # the last is what single precision may make of it
         assert 0.5 < model.albedo([0.5], exponent=exponent, control=False)[0] < 1.0
     assert model.albedo([0.5], exponent=1.0, pumps=0.0)[0] > 0.0, "what reads no table has no range"
+    assert MODELS["pumped_phong"].albedo([0.5], exponent=501.0, control=False)[0] > 0.5, "nor has what is integrated"
 
 
 def test_models_say_where_they_read_tables():

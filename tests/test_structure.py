@@ -59,7 +59,7 @@ def room(name):
 
 def test_the_parser_sees_imports():
     """The tests below would pass on an empty list."""
-    assert "addon.brdf.tables" in set(imports("addon.brdf.lobe_model"))
+    assert "addon.brdf.tables" in set(imports("addon.brdf.tabulated"))
     assert "addon.baking.base_lobes.fit" in set(imports("addon.commands.bake"))
     assert "addon.baking.base_lobes.fit" not in set(imports("addon.commands.bake", only_at_load=True))
     assert {room(name) for name in MODULES} - {FACE} == set(RANK)

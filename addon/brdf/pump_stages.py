@@ -8,14 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import pumping
-from .interpolation import Reader
+from .interpolation import POINTS, Reader
 from .quadrature import polar_energy
 
 STAGES = pumping.MAX_PUMPS
 _FEWEST, _PER_FOLD = 120, 34  # nodes of a curve at least, and for each time that the angle grows e-fold
 _IN_A_PIECE = 14  # nodes of a piece at least
-# Nodes of the integrals that curves are made of, and of those that kinks are looked for with.
-_FINE, _COARSE = {"polar": 16, "azimuthal": 48}, {"polar": 12, "azimuthal": 24}
+# Nodes of the integrals that curves are made of, and of the passes that look for kinks.
+_FINE = {"polar": 16, "azimuthal": 48}
+_PASSES = {"polar": 6, "azimuthal": 20}, {"polar": 12, "azimuthal": 30}
+_BETWEEN = 16  # places from a node to the next that they look at
+_APART = 1e-4  # coordinate: kinks at least
 _AGREEMENT = 1e-5  # relative: sides of control that are as near as this are equal
 
 
@@ -31,7 +34,8 @@ class Angles:
         self._k = 3.0 * np.sqrt(exponent)
         count = max(_FEWEST, int(_PER_FOLD * np.arcsinh(self._k)))
         self._ends = np.unique([0.0, *self.coordinate(np.array(kinks, dtype=np.float64)), 1.0])
-        self._counts = np.maximum(np.ceil(count * np.diff(self._ends)).astype(int) + 1, _IN_A_PIECE)
+        share = count * np.diff(self._ends)
+        self._counts = np.maximum(np.ceil(share) + 1, np.minimum(POINTS + 32.0 * share, _IN_A_PIECE)).astype(int)
         self._first = np.concatenate([[0], np.cumsum(self._counts)[:-1]])
         pieces = zip(self._ends[:-1], self._ends[1:], self._counts, strict=True)
         self.cosines = self.cosine(np.concatenate([
@@ -52,6 +56,12 @@ class Angles:
             below = self.coordinate(np.sin(middle), np.cos(middle)) < x
             low, high = np.where(below, middle, low), np.where(below, high, middle)
         return np.where(x <= 0.0, 0.0, np.where(x >= 1.0, 1.0, np.sin(0.5 * (low + high))))
+
+    def between(self, count: int) -> np.ndarray:
+        """Cosines, ascending, at `count` places from each node to the next."""
+        nodes = np.arccos(np.unique(self.cosines))
+        share = np.arange(count) / count
+        return np.append(np.cos(nodes[:-1, None] + share * np.diff(nodes)[:, None]).ravel(), 1.0)
 
     def reader(self, cos_theta) -> Reader:
         """Reads what is known at the nodes at `cos_theta` (...,)."""
@@ -100,9 +110,12 @@ def _angles(lobe, exponent, control):
     angles = Angles(exponent, lobe.kinks)
     if not control:
         return angles, lobe.kinks
-    coarse = _curves(lobe, exponent, angles, control, lobe.kinks, _COARSE)
-    kinks = (*lobe.kinks, *kinks_of_control(coarse, STAGES - 1))
-    return Angles(exponent, kinks), kinks
+    kinks = lobe.kinks
+    for counts in _PASSES:
+        found = kinks_of_control(_curves(lobe, exponent, angles, control, kinks, counts), STAGES - 1)
+        kinks = (*lobe.kinks, *found)
+        angles = Angles(exponent, kinks)
+    return angles, kinks
 
 
 def _curves(lobe, exponent, angles, control, kinks, counts):
@@ -123,8 +136,7 @@ def kinks_of_control(curves: Curves, pumps: float) -> np.ndarray:
 
     Over a range where both sides are equal (Phong at large n) it does neither; the range's ends count.
     """
-    nodes = len(curves.angles.cosines)
-    m = curves.angles.cosine(np.linspace(0.0, 1.0, 16 * nodes))
+    m = curves.angles.between(_BETWEEN)
     albedo = curves.at(m)
     d, kinks = np.ones_like(m), []
     for stage in range(int(np.ceil(pumps))):
@@ -137,5 +149,5 @@ def kinks_of_control(curves: Curves, pumps: float) -> np.ndarray:
         kinks.extend(m[i] + before / (before - after) * (m[i + 1] - m[i]))
         d = np.maximum(pumped, m)
     kinks = np.sort(kinks)
-    # Of kinks nearer than nodes are, where rounding decides about agreement, one is enough.
-    return kinks[np.diff(curves.angles.coordinate(kinks), prepend=-1.0) > 1.0 / nodes]
+    # Of several at one place, where rounding decides about agreement, one is enough.
+    return kinks[np.diff(curves.angles.coordinate(kinks), prepend=-1.0) > _APART]

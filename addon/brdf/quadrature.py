@@ -39,8 +39,11 @@ def _polar_nodes(lobe, exponent, theta, count, edges):
     ends = np.sort(np.clip(np.stack([low, *inside, high], axis=-1), low[:, None], high[:, None]), axis=-1)
     # Flattening both ends of an interval (x = s^2 (3 - 2 s)) absorbs square roots there.
     s, w = _gauss(count)
-    width = np.diff(ends, axis=-1)[..., None]
-    nodes = ends[..., :-1, None] + width * (s * s * (3.0 - 2.0 * s))
+    begin, width = ends[..., :-1], np.diff(ends, axis=-1)
+    # Most edges lie outside a narrow lobe. Intervals of no length go last, and those that all views have go away.
+    order = np.argsort(width == 0.0, axis=-1, kind="stable")[:, :max(np.count_nonzero(width, axis=-1).max(), 1)]
+    begin, width = (np.take_along_axis(x, order, axis=-1)[..., None] for x in (begin, width))
+    nodes = begin + width * (s * s * (3.0 - 2.0 * s))
     weights = width * (w * 6.0 * s * (1.0 - s))
     return nodes.reshape(len(theta), -1), weights.reshape(len(theta), -1)
 
@@ -88,7 +91,11 @@ def polar_energy(lobe, exponent: float, cos_theta, polar: int, azimuthal: int, e
         for start in range(0, len(cos_theta), block)
         for nodes in [meridians(lobe, exponent, cos_theta[start : start + block], polar, azimuthal, edges)]
     ]
-    return tuple(np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    # Blocks may have nodes of different number; where one has fewer, the rest gets no energy.
+    most = max(light.shape[1] for light, _ in parts)
+    fill = [((0, 0), (0, most - light.shape[1])) for light, _ in parts]
+    return (np.concatenate([np.pad(light, f, constant_values=1.0) for (light, _), f in zip(parts, fill, strict=True)]),
+            np.concatenate([np.pad(energy, f) for (_, energy), f in zip(parts, fill, strict=True)]))
 
 
 def hemisphere(evaluate, view, width: float, mirrored: bool = True, polar: int = 12, azimuthal: int = 48):
