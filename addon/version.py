@@ -1,8 +1,7 @@
 """The version of this extension, as its manifest declares it."""
 import tomllib
-from pathlib import Path
 
-_MANIFEST = Path(__file__).resolve().parents[1] / "blender_manifest.toml"
+from .resources import MANIFEST as _MANIFEST
 
 
 def _read() -> str:

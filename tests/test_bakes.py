@@ -312,13 +312,14 @@ def test_the_version_is_that_of_the_code(bpy, monkeypatch, tmp_path):
         cache._version.cache_clear()
         return cache._version()
 
-    for name in ("addon/brdf", "addon/baking/rows", "addon/shading", "addon/blender", "osl/include", "luts"):
-        (tmp_path / name).mkdir(parents=True)
-    names = ("addon/brdf/a.py", "addon/baking/rows/fit.py", "osl/include/weights.h", "addon/blender/osl.py",
-             "luts/ndf_star.exr")
+    folders = [tmp_path / name for name in ("models", "rows")]
+    names = ("models/a.py", "rows/fit.py", "rows/weights.h", "osl.py", "ndf_star.exr")
+    for folder in folders:
+        folder.mkdir()
     for name in names:
         (tmp_path / name).write_text("1")
-    monkeypatch.setattr(cache, "_ROOT", tmp_path)
+    monkeypatch.setattr(cache, "_CODE", folders)
+    monkeypatch.setattr(cache, "_FILES", [tmp_path / name for name in names[3:]])
     found = [version()]
     for name in names:
         (tmp_path / name).write_text("2")

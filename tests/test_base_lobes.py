@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from truth import quadrature
 
+from addon import resources
 from addon.brdf import MODELS, tables
-from addon.shading import source
 
-BASE = json.loads((source._OSL.parent / "luts" / "base_lobes.json").read_text(encoding="utf-8"))
+BASE = json.loads((resources.LUTS / "base_lobes.json").read_text(encoding="utf-8"))
 FAMILIES = list(BASE["families"])
 # Size of what is left over, in parts of the target's energy: at most, by view in degrees, and the mean over all points.
 # Blinn's super-metals at grazing, of which hardly anything is seen, are the worst.

@@ -389,11 +389,11 @@ def test_a_table_of_another_kind_is_told(kind, bpy, table_folder):
 @pytest.fixture
 def installed(tmp_path, monkeypatch):
     """A copy of the shaders and of what is fitted, in use for the test."""
-    from addon.shading import source
+    from addon import resources
 
     for name in ("osl", "luts"):
         shutil.copytree(ROOT / name, tmp_path / name)
-    monkeypatch.setattr(source, "_OSL", tmp_path / "osl")
+        monkeypatch.setattr(resources, name.upper(), tmp_path / name)
     return tmp_path
 
 

@@ -4,10 +4,11 @@ import re
 import numpy as np
 import pytest
 
+from addon import resources
 from addon.brdf import MODELS
 from addon.shading import constants, definitions, source
 
-FILES = {path.name: path.read_text(encoding="utf-8") for path in sorted(source._OSL.rglob("*")) if path.is_file()}
+FILES = {path.name: path.read_text(encoding="utf-8") for path in sorted(resources.OSL.rglob("*")) if path.is_file()}
 HEADERS = {header for model in MODELS.values() for header in source.chosen_headers(model)}
 OF_OSL = {"M_PI", "M_2PI", "M_PI_2", "BSDF", "LEAST_", "MOST_", "DEFAULT_"}  # and what a parameter's id is put behind
 # Numbers of formulas, and indices; the last four are those of Beckmann's Lambda.

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from addon import resources
 from addon.baking.rows import grid, lobe_rows, row_bake
 from addon.baking.rows.layout import Layout
 from addon.brdf import MODELS, TableError, tables
@@ -151,7 +152,7 @@ def test_file_source_names_the_tables(model):
 
 @pytest.mark.parametrize("model", ON_BASE_LOBES.values(), ids=list(ON_BASE_LOBES))
 def test_base_lobes_of_the_family_are_put_in(model):
-    base = json.loads((source._OSL.parent / "luts" / "base_lobes.json").read_text(encoding="utf-8"))
+    base = json.loads((resources.LUTS / "base_lobes.json").read_text(encoding="utf-8"))
     text = source.assemble(model, source.FILE)
     own = base["families"][model.lobe.id]
     np.testing.assert_allclose(array(text, "base_widths"), base["features"])
@@ -175,7 +176,7 @@ def test_base_lobes_of_the_family_are_put_in(model):
 @pytest.mark.parametrize("model", ON_BASE_LOBES.values(), ids=list(ON_BASE_LOBES))
 def test_a_hit_has_room_for_its_closures(model):
     """Cycles has 64 places, a phong_ramp takes three of them, and a material may hold other shaders too."""
-    own = json.loads((source._OSL.parent / "luts" / "base_lobes.json").read_text(encoding="utf-8"))["families"]
+    own = json.loads((resources.LUTS / "base_lobes.json").read_text(encoding="utf-8"))["families"]
     base = own[model.lobe.id]
     ramps = sum(2 if r["side"] else 1 for r in base["ramps"])
     splats = next(p.maximum for p in model.parameters if p.id == "samples")
@@ -184,7 +185,7 @@ def test_a_hit_has_room_for_its_closures(model):
 
 @pytest.mark.parametrize("model", ON_BELLS.values(), ids=list(ON_BELLS))
 def test_bells_are_put_in(model):
-    stored = json.loads((source._OSL.parent / "luts" / "bells.json").read_text(encoding="utf-8"))
+    stored = json.loads((resources.LUTS / "bells.json").read_text(encoding="utf-8"))
     few, steep = stored["table"], stored["steep"]
     text = source.assemble(model, source.FILE)
     np.testing.assert_allclose(array(text, "bells"), [*np.ravel(few), *np.ravel(steep)], rtol=1e-5)

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..resources import LUTS
 from . import axes, disk, exr
 from .axes import ColumnAxis, RowAxis, SineAxis
 from .errors import BrdfError, ParameterError
@@ -27,7 +28,7 @@ CHANNELS = 4  # albedos, or radii, in a pixel
 AXES, RESOLUTION, ERROR = "plausible:axes", "plausible:resolution", "plausible:error"
 SLACK = 1e-4  # part of an exponent by which it may be beyond a table's end: albedos change by no more than this there
 _MOST = 4096  # columns or rows
-PACKAGED = Path(__file__).resolve().parents[2] / "luts"
+PACKAGED = LUTS
 _folder = PACKAGED
 
 

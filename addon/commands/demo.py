@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..cli import CommandError, require
+from ..resources import ROOT
 
 DESCRIPTION = ("Build and render a scene. metals: a golden tank among metal pyramids, with the reciprocal Phong model, "
                "pumped up once, and pumped up under control. spheres: anisotropic spheres under an HDRI. road: a road "
@@ -13,7 +14,7 @@ DESCRIPTION = ("Build and render a scene. metals: a golden tank among metal pyra
                "environment, which vanish where their model conserves energy. reflector: a lamp near the focus of a "
                "paraboloid, by six models of one width, with what tells them apart in reflector.json. presets: a "
                "sphere of each preset. all: the six.")
-BLENDS = Path(__file__).resolve().parents[2] / "demo_blends"
+BLENDS = ROOT / "demo_blends"
 SAVE_THERE = object()  # --save-blend without a file
 
 

@@ -6,9 +6,9 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from ..baking.files import replacing
+from ..resources import ROOT
 
 MANIFEST = "blender_manifest.toml"
-ROOT = Path(__file__).resolve().parents[2]
 _TIMESTAMP = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip can hold: the clock must not change the archive
 _NEEDED = ("__init__.py", "LICENSE", "addon/__init__.py")
 

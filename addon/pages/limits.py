@@ -1,10 +1,10 @@
 """What README's Limits say of a model: its page quotes them, so that they are written once."""
-from pathlib import Path
 
 from ..brdf.disk_model import DiskModel
 from ..brdf.lobes import DISK
+from ..resources import ROOT
 
-README = Path(__file__).resolve().parents[2] / "README.md"
+README = ROOT / "README.md"
 HEADING = "## Limits"
 
 

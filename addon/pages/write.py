@@ -3,9 +3,10 @@ from pathlib import Path
 
 from ..baking.files import replace_text
 from ..brdf import MODELS
+from ..resources import ROOT
 from . import model_page
 
-DOCS = Path(__file__).resolve().parents[2] / "docs"
+DOCS = ROOT / "docs"
 MODEL_PAGES = DOCS / "models"
 
 

@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..brdf import fresnel, half_map, pumping, quadrature, tables
+from ..brdf import fresnel, half_map, pumping, quadrature
 from ..brdf.channels import luminance
 from ..brdf.formula_model import FormulaModel
 from ..brdf.geometry import half, in_plane, view_at
@@ -22,6 +22,7 @@ from ..brdf.models.ndf_map import SHIPPED, NdfMapModel
 from ..brdf.pumped_model import PumpedModel
 from ..brdf.samplers import Cosine
 from ..brdf.tabulated import TABULATED
+from ..resources import LUTS
 
 TOLERANCE = 0.004  # of an albedo up to 1; above it, of itself. Lafortune's lobes that grow without bound miss it
 # Views of the albedo's curve in degrees. The last stands for grazing, where some albedos have no bound.
@@ -243,7 +244,7 @@ def _stretched(model, p, mu):
 
 def _mapped(model, p):
     """As `_parts`, of an NDF map. The image is read unturned: a turn is one of half vectors."""
-    found = half_map.load(p["image"] or tables.PACKAGED / SHIPPED)
+    found = half_map.load(p["image"] or LUTS / SHIPPED)
     turn = 2.0 * np.pi * p["rotation"]
     h, mass = _cells(found)
     view = view_at(np.cos(np.radians(VIEWS)))

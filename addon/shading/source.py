@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
+from .. import resources
 from ..baking import bells, closures
 from ..baking.rows import grid, lobe_rows
 from ..brdf import images, tables
 from ..brdf.axes import SineAxis
 from . import constants, definitions
 
-_OSL = Path(__file__).resolve().parents[2] / "osl"
 _INCLUDE = re.compile(r'^#include (?:"([^"]+)"|(\w+))\n', re.MULTILINE)
 COMPILED, FILE = "compiled", "file"
 _written = {}  # name of a table -> (its nodes, what is written of them): writing takes long
@@ -26,7 +26,7 @@ def shader_path(model) -> Path:
         name = "lobe"
     else:
         name = "lump" if len(getattr(model, "lumps", ())) == 1 else model.id
-    return _OSL / f"{name}.osl"
+    return resources.OSL / f"{name}.osl"
 
 
 def chosen_headers(model) -> dict:
@@ -229,7 +229,7 @@ def _matches(parameter, value):
 
 def _bells():
     """Macros and array parameter of the bells that make up a lump, see addon/baking/bells.py."""
-    path = _OSL.parent / "luts" / bells.FILE
+    path = resources.LUTS / bells.FILE
     return _bells_of(path, images.stamp(path))
 
 
@@ -244,7 +244,7 @@ def _bells_of(path, _):
 
 def _base(family):
     """Macros and array parameters of the base lobes of a family, see addon/baking/base_lobes."""
-    path = _OSL.parent / "luts" / "base_lobes.json"
+    path = resources.LUTS / "base_lobes.json"
     return _base_of(family, path, images.stamp(path))
 
 

@@ -5,16 +5,16 @@ writes nothing.
 """
 import hashlib
 from functools import lru_cache
-from pathlib import Path
 
 import bpy
 
 from ...baking import store
+from ...resources import LUTS, OSL, PACKAGE
 from . import settings
 
-_ROOT = Path(__file__).resolve().parents[3]
-_CODE = ("addon/brdf", "addon/baking", "addon/shading", "osl")  # what decides how values become bytecode
-_FILES = ("addon/blender/backend/osl.py", "luts/ndf_star.exr")
+# What decides how values become bytecode: folders of code, and files.
+_CODE = [PACKAGE / "models", PACKAGE / "forms", PACKAGE / "backends" / "osl", OSL]
+_FILES = [PACKAGE / "blender" / "backend" / "osl.py", LUTS / "ndf_star.exr"]
 _IN_MEMORY = 32
 _memory = {}  # key -> value, the least recently used first
 
@@ -72,11 +72,11 @@ def key(model, parameters: dict, what: str, driven: dict | None = None) -> str:
 @lru_cache(maxsize=1)
 def _version() -> str:
     """A hash of the code that bakes, and of the files that it reads."""
-    paths = [path for folder in _CODE for path in sorted((_ROOT / folder).rglob("*"))
+    paths = [path for folder in _CODE for path in sorted(folder.rglob("*"))
              if path.suffix in (".py", ".osl", ".h")]
     digest = hashlib.sha256()
-    for path in [*paths, *(_ROOT / name for name in _FILES)]:
-        digest.update(path.relative_to(_ROOT).as_posix().encode() + b"\0" + path.read_bytes())
+    for path in [*paths, *_FILES]:
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()
 
 

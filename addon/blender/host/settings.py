@@ -4,10 +4,11 @@ from pathlib import Path
 import bpy
 
 from ...brdf.parameters import ESTIMATOR
+from ...resources import ROOT
 
 ROOT_PACKAGE = __package__.rsplit(".", 3)[0]  # "bl_ext.<repository>.plausible_brdf" inside Blender, else "addon"
 CACHE_LIMIT = 200  # MB
-MANUAL = Path(__file__).resolve().parents[3] / "docs" / "manual.html"
+MANUAL = ROOT / "docs" / "manual.html"
 BY_USER = ("samples", "light_spread")  # parameters of new materials
 DEFAULTS = {parameter.id: parameter for parameter in ESTIMATOR if parameter.id in BY_USER}
 

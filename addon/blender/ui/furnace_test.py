@@ -14,13 +14,13 @@ import bpy.utils.previews
 import numpy as np
 
 from ...plots import picture, quick
+from ...resources import ROOT
 from ..host.redraw import redraw
 from ..host.translation import say
 from ..material import groups, sockets
 from .operators.common import OnMaterial, material_of, plausible_node, renders_here
 from .panels import Face, draw_text, in_both_places
 
-ROOT = Path(__file__).resolve().parents[3]
 SAMPLES = 256
 _TICK = 0.1
 # What the other Blender runs: the command line's furnace, whose report goes into a file as Blender prints, too.

@@ -3,7 +3,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import half_map, tables
+from ...resources import LUTS
+from .. import half_map
 from ..formula_model import FormulaModel, factor, lambert
 from ..geometry import dot, half
 from ..parameters import COLOUR, DIFFUSE, ESTIMATOR, IMAGE, TANGENT
@@ -17,7 +18,7 @@ SHIPPED = "ndf_star.exr"
 
 def distribution(p):
     """The `HalfMap` of the parameters. Raises ValueError that names the file and what is wrong with it."""
-    return half_map.load(p["image"] or tables.PACKAGED / SHIPPED, 2.0 * np.pi * p["rotation"])
+    return half_map.load(p["image"] or LUTS / SHIPPED, 2.0 * np.pi * p["rotation"])
 
 
 def lobe(view, light, p):
