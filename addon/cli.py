@@ -6,26 +6,30 @@ line; anything else is our defect and keeps its traceback.
 """
 import argparse
 import importlib
+import importlib.util
 import sys
 
-COMMANDS = {
+_COMMANDS = {
     "list": ("addon.commands.list", "models, their parameters and tables"),
     "bake": ("addon.commands.bake", "compute the albedo tables, or check the shipped ones"),
-    "build": ("addon.commands.build", "make the extension's zip"),
+    "build": ("addon.dev.commands.build", "make the extension's zip"),
     "furnace": ("addon.commands.furnace", "albedo rendered in Cycles against theory"),
     "goniometer": ("addon.commands.goniometer", "lobe under a sun rendered in Cycles against theory"),
-    "chi2": ("addon.commands.chi2", "whether a model's sampler draws with the density that it claims"),
-    "portable": ("addon.commands.portable", "whether a .blend renders alone, elsewhere, what it renders here"),
-    "compare": ("addon.commands.compare", "computed properties of the models, and what is published of them"),
+    "chi2": ("addon.dev.commands.chi2", "whether a model's sampler draws with the density that it claims"),
+    "portable": ("addon.dev.commands.portable", "whether a .blend renders alone, elsewhere, what it renders here"),
+    "compare": ("addon.dev.commands.compare", "computed properties of the models, and what is published of them"),
     "match": ("addon.commands.match", "parameters with which one model is as wide as another"),
-    "fit": ("addon.commands.fit", "parameters with which a model comes nearest to another or to data"),
-    "figures": ("addon.commands.figures", "plots of albedos and lobes"),
-    "previews": ("addon.commands.previews", "the small pictures of models and presets that the panel shows"),
-    "demo": ("addon.commands.demo", "build and render the demo scene"),
-    "assets": ("addon.commands.assets", "make the asset library that ships with the extension"),
-    "docs": ("addon.commands.docs", "write the models' pages from the registry"),
-    "bench": ("addon.commands.bench", "efficiency against Cycles' own closures"),
+    "fit": ("addon.dev.commands.fit", "parameters with which a model comes nearest to another or to data"),
+    "figures": ("addon.dev.commands.figures", "plots of albedos and lobes"),
+    "previews": ("addon.dev.commands.previews", "the small pictures of models and presets that the panel shows"),
+    "demo": ("addon.dev.commands.demo", "build and render the demo scene"),
+    "assets": ("addon.dev.commands.assets", "make the asset library that ships with the extension"),
+    "docs": ("addon.dev.commands.docs", "write the models' pages from the registry"),
+    "bench": ("addon.dev.commands.bench", "efficiency against Cycles' own closures"),
 }
+# The extension ships without the project's own commands.
+COMMANDS = {name: found for name, found in _COMMANDS.items()
+            if not found[0].startswith("addon.dev.") or importlib.util.find_spec("addon.dev") is not None}
 
 
 class CommandError(Exception):

@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 import versions
 
-from addon.baking.rows import error as rows_error
-from addon.baking.rows import grid, layout, lobe_rows, row_bake
-from addon.brdf import MODELS, tables
-from addon.shading import source
+from addon.backends.osl import assembler
+from addon.brdf import MODELS
+from addon.forms.albedo import tables
+from addon.forms.rows import error as rows_error
+from addon.forms.rows import grid, layout, lobe_rows, row_bake
 
 
 @pytest.fixture
@@ -69,7 +70,7 @@ def pytest_collection_modifyitems(items):
     seen = set()
     for item in items:
         if item.get_closest_marker("versions_by_shader"):
-            first = (item.nodeid.partition("[")[0], source.program_of(MODELS[item.callspec.params["model"]]))
+            first = (item.nodeid.partition("[")[0], assembler.program_of(MODELS[item.callspec.params["model"]]))
             if first not in seen:
                 item.add_marker("versions")
             seen.add(first)

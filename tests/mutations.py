@@ -63,8 +63,8 @@ def _in(module, *names):
 _EVALUATE = _in("models", "test_evaluate_is_the_formula")
 _FORMULA = _in("literature", "test_formula")
 _LITERATURE_PDF = _in("literature", "test_samples_follow_the_pdf")
-_LOBES, _DISK, _SAMPLERS = "addon/brdf/lobes.py", "addon/brdf/disk.py", "addon/brdf/samplers.py"
-_MODELS = "addon/brdf/models"
+_LOBES, _DISK, _SAMPLERS = "addon/models/lobes.py", "addon/models/disk.py", "addon/models/samplers.py"
+_MODELS = "addon/models/formulas"
 
 FORMULAS = (
     Mutation("phong-normalisation", _LOBES,
@@ -107,41 +107,42 @@ FORMULAS = (
              _in("disk", "test_lump_has_volume_one_and_its_samples_follow_it")),
     Mutation("lump-turned-the-other-way", _DISK, "return np.array([[cos, sin], [-sin, cos]])",
              "return np.array([[cos, -sin], [sin, cos]])", _in("disk", "test_evaluate_is_the_formula")),
-    Mutation("grazing-exponent", "addon/brdf/disk_model.py", "return (normal + 1.0) ** mu_view",
+    Mutation("grazing-exponent", "addon/models/disk_model.py", "return (normal + 1.0) ** mu_view",
              "return (normal + 1.1) ** mu_view",
              _in("disk", "test_exponents_that_vary_with_the_angle")),
-    Mutation("fresnel-at-the-light", "addon/brdf/disk_model.py",
+    Mutation("fresnel-at-the-light", "addon/models/disk_model.py",
              "return self._coloured(view[:, 2], disk.value(", "return self._coloured(light[:, 2], disk.value(",
              _in("disk", "test_empirical_is_equation_33")),
-    Mutation("volume-row", "addon/brdf/tables.py",
+    Mutation("volume-row", "addon/forms/albedo/tables.py",
              "table.rows, column, n + 1.0)[..., k % CHANNELS]", "table.rows, column, n + 1.1)[..., k % CHANNELS]",
              _in("disk", "test_volume_table_is_the_volume")),
-    Mutation("pumping-share", "addon/brdf/pumping.py", "albedos_light[..., stage]) ** share",
+    Mutation("pumping-share", "addon/models/pumping.py", "albedos_light[..., stage]) ** share",
              "albedos_light[..., stage]) ** share**1.02", _in("pumping", "test_correction_by_hand")),
-    Mutation("pumping-smaller-albedo", "addon/brdf/pumping.py",
+    Mutation("pumping-smaller-albedo", "addon/models/pumping.py",
              "d = d * np.maximum(albedos_view[..., stage], albedos_light[..., stage])",
              "d = d * np.minimum(albedos_view[..., stage], albedos_light[..., stage])",
              _in("pumping", "test_plain_phong_has_the_checked_albedos", "test_correction_by_hand")),
-    Mutation("pumping-control-once", "addon/brdf/pumping.py", "        if control:\n",
+    Mutation("pumping-control-once", "addon/models/pumping.py", "        if control:\n",
              "        if control and not stage:\n",
              _in("pumping", "test_correction_by_hand", "test_controlled_phong_ends_at_the_limit_after_two_pumps")),
-    Mutation("pumped-formula-at-the-view", "addon/brdf/pumping.py",
+    Mutation("pumped-formula-at-the-view", "addon/models/pumping.py",
              "return correction(at_view, at_light, mu_view, mu_light, pumps, control)",
              "return correction(at_view, at_view, mu_view, mu_light, pumps, control)",
              _in("literature", "test_the_one_mechanism_pumps_as_tables_do",
                  "test_pumping_conserves_any_symmetric_formula")),
-    Mutation("schlick-power", "addon/brdf/fresnel.py", "(1.0 - mu) ** 5", "(1.0 - mu) ** 4.9",
+    Mutation("schlick-power", "addon/models/fresnel.py", "(1.0 - mu) ** 5", "(1.0 - mu) ** 4.9",
              _in("models", "test_schlick_runs_from_colour_to_edge", "test_colour_factor_depends_on_view_and_half")),
-    Mutation("conductor-extinction", "addon/brdf/fresnel.py", "4.0 * n * n * k * k", "3.9 * n * n * k * k",
+    Mutation("conductor-extinction", "addon/models/fresnel.py", "4.0 * n * n * k * k", "3.9 * n * n * k * k",
              _in("models", "test_conductor_is_fresnel_with_a_complex_index")),
-    Mutation("roughness-to-exponent", "addon/brdf/parameters.py",
+    Mutation("roughness-to-exponent", "addon/models/parameters.py",
              "/ (alpha * alpha) - BECKMANN_POWER, MIN_EXPONENT", "/ (alpha * alpha) - 1.0, MIN_EXPONENT",
              _in("models", "test_roughness_and_exponent")),
     Mutation("ward-cosine", f"{_MODELS}/ward.py", "* 0.25 * h[:, 2] ** 4", "* 0.25 * h[:, 2] ** 3", _FORMULA),
-    Mutation("grooves-without-clamp", "addon/brdf/microfacet.py",
+    Mutation("grooves-without-clamp", "addon/models/microfacet.py",
              "return np.minimum(1.0, 2.0 * h[:, 2] * lower / np.maximum(dot(view, h), 1e-12))",
              "return 2.0 * h[:, 2] * lower / np.maximum(dot(view, h), 1e-12)", _FORMULA),
-    Mutation("smith-tail", "addon/brdf/microfacet.py", "(a * np.sqrt(np.pi)) - erfc(a)", "(a * np.sqrt(3.1)) - erfc(a)",
+    Mutation("smith-tail", "addon/models/microfacet.py",
+             "(a * np.sqrt(np.pi)) - erfc(a)", "(a * np.sqrt(3.1)) - erfc(a)",
              _FORMULA),
     Mutation("cosine-microfacet-normalisation", f"{_MODELS}/cook_torrance.py",
              "return (n + 2.0) / (8.0 * np.pi) * power", "return (n + 2.1) / (8.0 * np.pi) * power", _FORMULA),
@@ -159,16 +160,16 @@ FORMULAS = (
              "view[:, 0] * light[:, 0] - view[:, 1] * light[:, 1]", _FORMULA),
     Mutation("kajiya-kay-cone", f"{_MODELS}/kajiya_kay.py", "sine_v * sine_l - view[:, 0] * light[:, 0]",
              "sine_v * sine_l + view[:, 0] * light[:, 0]", _FORMULA),
-    Mutation("map-turn", "addon/brdf/half_map.py", "_turned(h, -self.turn), len(", "_turned(h, self.turn), len(",
+    Mutation("map-turn", "addon/models/half_map.py", "_turned(h, -self.turn), len(", "_turned(h, self.turn), len(",
              _in("ndf_map", "test_samples_of_an_unsymmetric_image", "test_right_is_the_tangent_and_up_is_across")),
-    Mutation("map-pixel-centre", "addon/brdf/half_map.py", "0.5 * size * (h[..., i] + 1.0) - 0.5",
+    Mutation("map-pixel-centre", "addon/models/half_map.py", "0.5 * size * (h[..., i] + 1.0) - 0.5",
              "0.5 * size * (h[..., i] + 1.0) - 0.4", _in("ndf_map", "test_the_integral_is_one",
              "test_known_densities")),
-    Mutation("quadrature-weight", "addon/brdf/quadrature.py", "weights = width * (w * 6.0 * s * (1.0 - s))",
+    Mutation("quadrature-weight", "addon/models/quadrature.py", "weights = width * (w * 6.0 * s * (1.0 - s))",
              "weights = width * (w * 6.01 * s * (1.0 - s))", _in("baking", "test_albedos_known_in_closed_form")),
-    Mutation("gold-index", "addon/brdf/metals.py", "f0=(1.0000, 0.7840, 0.3425)", "f0=(1.0000, 0.7740, 0.3425)",
+    Mutation("gold-index", "addon/library/metals.py", "f0=(1.0000, 0.7840, 0.3425)", "f0=(1.0000, 0.7740, 0.3425)",
              _in("metals", "test_conductor_formula_reproduces_the_reflectances")),
-    Mutation("preset-of-another-metal", "addon/brdf/presets.py",
+    Mutation("preset-of-another-metal", "addon/library/presets.py",
              "{\"diffuse_color\": BLACK, \"base_color\": METALS[\"aluminium\"].f0",
              "{\"diffuse_color\": BLACK, \"base_color\": METALS[\"silver\"].f0", _in("presets",
              "test_metal_has_its_measured_colour")),
@@ -179,7 +180,7 @@ FORMULAS = (
 
 def _texel(path):
     """One albedo of one exponent is 1e-4 too high."""
-    from addon.brdf import exr
+    from addon.models import exr
 
     image, metadata = exr.read(path)
     image = image.copy()
@@ -190,7 +191,7 @@ def _texel(path):
 
 def _columns_backwards(path):
     """All rows between the markers are read from the normal to grazing."""
-    from addon.brdf import exr
+    from addon.models import exr
 
     image, metadata = exr.read(path)
     image = image.copy()
@@ -200,7 +201,7 @@ def _columns_backwards(path):
 
 def _rows_shifted(path):
     """Each row has the albedos of the next."""
-    from addon.brdf import exr
+    from addon.models import exr
 
     image, metadata = exr.read(path)
     image = image.copy()
@@ -210,7 +211,7 @@ def _rows_shifted(path):
 
 def _told_error(path):
     """The metadata tell half of the error."""
-    from addon.brdf import exr
+    from addon.models import exr
 
     image, metadata = exr.read(path)
     first, number, rest = metadata["plausible:error"].split(" ", 2)
@@ -236,7 +237,7 @@ def _bell_share(path):
 
 
 _AGAIN = _in("baking", "test_a_row_baked_again_is_the_same")
-_LOBE_ROWS = "addon/baking/rows"
+_LOBE_ROWS = "addon/forms/rows"
 _ROWS = _in("weights", "test_rows_are_the_formula")
 
 TABLES = (
@@ -253,28 +254,28 @@ TABLES = (
         "bells", "test_bells_hold_what_their_shares_say",
         "test_bells_are_hardly_above_the_lump_and_many_leave_less_than_few"),
         _bell_share),
-    Mutation("row-law", "addon/brdf/axes.py", "low, high = [(start - row * step) ** (self.law / self.density)",
+    Mutation("row-law", "addon/forms/albedo/axes.py", "low, high = [(start - row * step) ** (self.law / self.density)",
              "low, high = [(start - row * step) ** (1.1 * self.law / self.density)",
              _in("tables", "test_position_of_every_node_is_its_number",
                  "test_reading_blends_two_rows_and_two_columns")),
-    Mutation("column-blend", "addon/brdf/axes.py", "return row[i] + (x - i)[..., None] * (row[i + 1] - row[i])",
+    Mutation("column-blend", "addon/forms/albedo/axes.py", "return row[i] + (x - i)[..., None] * (row[i + 1] - row[i])",
              "return row[i] + (x - i)[..., None] * (row[i] - row[i - 1])",
              _in("tables", "test_reading_blends_two_rows_and_two_columns")),
-    Mutation("chain-interpolation", "addon/brdf/interpolation.py",
+    Mutation("chain-interpolation", "addon/models/interpolation.py",
              "return [before[i] * after[POINTS - 1 - i] / alone[i] for i in range(POINTS)]",
              "return [before[i] * after[POINTS - 1 - i] / (alone[i] + 0.01 * i) for i in range(POINTS)]",
              _AGAIN + _in("albedos", "test_reading_between_the_nodes_of_a_curve")),
-    Mutation("chain-stage", "addon/brdf/pumping.py",
+    Mutation("chain-stage", "addon/models/pumping.py",
              "mu_view[:, None], mu_light, stage, control)\n        albedos[:, stage]",
              "mu_view[:, None], mu_light, stage - 0.01, control)\n        albedos[:, stage]", _AGAIN),
-    Mutation("kink-elsewhere", "addon/brdf/pump_stages.py", "m[i] + before / (before - after) * (m[i + 1] - m[i])",
+    Mutation("kink-elsewhere", "addon/models/pump_stages.py", "m[i] + before / (before - after) * (m[i + 1] - m[i])",
              "m[i + 1] + before / (before - after) * (m[i + 1] - m[i])",
              _in("albedos", "test_reading_between_the_nodes_of_a_curve")),
-    Mutation("albedo-across-kinks", "addon/brdf/lobe_model.py", "azimuthal=48, edges=edges)", "azimuthal=48)",
+    Mutation("albedo-across-kinks", "addon/models/lobe_model.py", "azimuthal=48, edges=edges)", "azimuthal=48)",
              _in("albedos", "test_the_albedo_of_a_whole_pump_is_the_next_stage")),
-    Mutation("integrated-volume", "addon/brdf/albedos.py", ".at(distance[chosen] / r)",
+    Mutation("integrated-volume", "addon/models/albedos.py", ".at(distance[chosen] / r)",
              ".at(1.001 * distance[chosen] / r)", _in("albedos", "test_volumes_are_those_of_the_lump")),
-    Mutation("volume-exponent", "addon/baking/volume_rows.py", "return np.stack([volume(m - 1.0, r, columns)",
+    Mutation("volume-exponent", "addon/forms/albedo/volume_rows.py", "return np.stack([volume(m - 1.0, r, columns)",
              "return np.stack([volume(m - 0.99, r, columns)", _AGAIN),
     Mutation("weights-without-cosine", f"{_LOBE_ROWS}/view_slice.py",
              "value * (4.0 * light[lit][:, 2] * (half[lit] @ view))[:, None]",
@@ -287,9 +288,9 @@ TABLES = (
              "test_stretched_rows_are_the_formula")),
     Mutation("facets-in-pairs", f"{_LOBE_ROWS}/facets.py", "facet_value((slopes[0], -slopes[1]), widths, view, light)",
              "facet_value((slopes[0], slopes[1]), widths, view, light)", _ROWS),
-    Mutation("base-ramp-height", "addon/baking/base_lobes/closures.py", "height = (m if ramp.crease else e) + 2.0",
+    Mutation("base-ramp-height", "addon/forms/base_lobes/closures.py", "height = (m if ramp.crease else e) + 2.0",
              "height = (m if ramp.crease else e) + 1.9", _in("base_lobes", "test_a_node_fitted_again_is_the_shipped")),
-    Mutation("bells-not-staggered", "addon/baking/bells.py", "phi = 2.0 * np.pi * (k + 0.5 * (i % 2)) / count",
+    Mutation("bells-not-staggered", "addon/forms/bells.py", "phi = 2.0 * np.pi * (k + 0.5 * (i % 2)) / count",
              "phi = 2.0 * np.pi * k / count",
              _in("bells", "test_bells_are_hardly_above_the_lump_and_many_leave_less_than_few")),
     Mutation("weights-error-one-side", f"{_LOBE_ROWS}/error.py",
@@ -412,31 +413,32 @@ SHADERS = (
 # Measuring, fitting, standing in.
 
 MEASURES = (
-    Mutation("standard-error", "addon/verify/instruments.py", "flat.std(axis=0, ddof=1) / np.sqrt(len(flat))",
+    Mutation("standard-error", "addon/measure/instruments.py", "flat.std(axis=0, ddof=1) / np.sqrt(len(flat))",
              "flat.std(axis=0, ddof=1) / np.sqrt(len(flat) // 2)", _in("verify",
              "test_mean_and_standard_error_of_known_pixels")),
-    Mutation("goniometer-without-cosine", "addon/verify/instruments.py", "irradiance = room.SUN_ENERGY * lights[:, 2:]",
-             "irradiance = room.SUN_ENERGY * np.ones((len(lights), 1))", _in("verify", "test_goniometer")),
-    Mutation("verdict-one-side", "addon/verify/comparison.py", "good = (np.abs(self.error) <= allowed)",
+    Mutation("goniometer-without-cosine", "addon/measure/instruments.py",
+             "irradiance = scene.SUN_ENERGY * lights[:, 2:]",
+             "irradiance = scene.SUN_ENERGY * np.ones((len(lights), 1))", _in("verify", "test_goniometer")),
+    Mutation("verdict-one-side", "addon/measure/comparison.py", "good = (np.abs(self.error) <= allowed)",
              "good = (self.error <= allowed)", _in("verify", "test_verdicts")),
-    Mutation("sun-the-other-way", "addon/verify/instruments.py", "    return geometry.in_plane(-np.asarray(angles_deg",
+    Mutation("sun-the-other-way", "addon/measure/instruments.py", "    return geometry.in_plane(-np.asarray(angles_deg",
              "    return geometry.in_plane(np.asarray(angles_deg", _in("verify",
              "test_the_mirrors_side_is_where_the_view_is_not")),
     Mutation("half-of-the-lobe", "addon/fitting/match.py", "<= 0.5 * top", "<= 0.505 * top",
              _in("fitting", "test_half_angles_in_closed_form")),
     Mutation("stand-in-roughness", "addon/blender/backend/principled.py", "nodes.math(\"ADD\", exponent, 2.0)), 0.25)",
              "nodes.math(\"ADD\", exponent, 2.0)), 0.26)", _in("stand_in", "test_its_lobe_is_as_high_as_is_said")),
-    Mutation("stand-in-factor", "addon/fitting/principled.py", "\"blinn\": 0.88", "\"blinn\": 0.98",
+    Mutation("stand-in-factor", "addon/backends/nodes/principled_fit.py", "\"blinn\": 0.88", "\"blinn\": 0.98",
              _in("principled", "test_factors_of_roughness_are_what_fits_find[blinn]")),
     Mutation("stand-in-schlick", "addon/blender/backend/principled.py",
              "nodes.math(\"POWER\", facing.outputs[\"Facing\"], 5.0)",
              "nodes.math(\"POWER\", facing.outputs[\"Facing\"], 4.5)",
              _in("stand_in", "test_a_body_goes_dark_towards_grazing_as_schlick_says")),
     Mutation("width-by-roughness", "addon/blender/ui/operators/width.py",
-             "new[\"roughness\"] = brdf.roughness_of_exponent(now[\"exponent\"])",
-             "new[\"roughness\"] = brdf.roughness_of_exponent(now[\"exponent\"] + 1.0)",
+             "new[\"roughness\"] = models.roughness_of_exponent(now[\"exponent\"])",
+             "new[\"roughness\"] = models.roughness_of_exponent(now[\"exponent\"] + 1.0)",
              _in("switches", "test_the_lobe_keeps_its_width")),
-    Mutation("hidden-weights", "addon/shading/source.py",
+    Mutation("hidden-weights", "addon/backends/osl/assembler.py",
              "return f\"abs({parameter.id} - {value!r}) <= {1e-5 * max(abs(value), 1e-3):.3g}\"",
              "return f\"abs({parameter.id} - {value!r}) <= {1e-1 * max(abs(value), 1e-3):.3g}\"",
              _in("shading", "test_weights_hold_for_their_values_to_single_precision")),
@@ -584,7 +586,7 @@ def main(argv=None) -> int:
     left = [outcome for outcome in outcomes if not outcome.caught]
     print(f"{len(outcomes) - len(left)} of {len(outcomes)} mutations are caught")
     if arguments.write:
-        from addon.baking.files import replace_text
+        from addon.forms.files import replace_text
 
         replace_text(ROOT / "docs" / "mutations.md", page(outcomes))
     return 1 if left else 0

@@ -4,14 +4,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import quadrature
+from truth import quadrature
 
-from addon.brdf import MODELS, TableError, disk, lobes, pump_stages, tables
-from addon.brdf.albedos import INTEGRATED
-from addon.brdf.geometry import view_at
-from addon.brdf.pumped_model import PumpedModel
-from addon.brdf.tables import TABLES
-from addon.brdf.tabulated import TABULATED
+from addon.brdf import MODELS, TableError
+from addon.forms.albedo import tables
+from addon.forms.albedo.tables import TABLES
+from addon.forms.albedo.tabulated import TABULATED
+from addon.models import disk, lobes, pump_stages
+from addon.models.albedos import INTEGRATED
+from addon.models.geometry import view_at
+from addon.models.pumped_model import PumpedModel
 
 LOBES = {"phong": lobes.PHONG, "blinn": lobes.BLINN, "disk": lobes.DISK}
 CHAINS = [("phong", False), ("phong", True), ("blinn", False), ("blinn", True), ("disk", False)]

@@ -4,9 +4,9 @@ import pytest
 
 from addon.assets import LIBRARY
 from addon.brdf import MODELS
-from addon.brdf.presets import PRESETS
-from addon.packaging import assets
-from addon.verify import room
+from addon.dev.packaging import assets
+from addon.library.presets import PRESETS
+from addon.measure import scene
 
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
@@ -74,7 +74,7 @@ def test_a_dropped_material_renders(contents):
 
     material = contents[0][PRESETS["gold_satin"].label]
     node = groups.find_node(material)
-    with room.Room(material, room.PLANE, 8) as place:
+    with scene.MeasuringScene(material, scene.PLANE, 8) as place:
         place.sky(1.0)
         place.look_from((np.sin(1.0), 0.0, np.cos(1.0)))
         found = place.render(64).mean(axis=(0, 1))

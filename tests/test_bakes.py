@@ -12,8 +12,8 @@ pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 from blender_help.recorder import Recorder, context_for, drawn, operators, texts
 
-from addon.baking import bake, sizes
-from addon.brdf import MODELS, tables
+from addon.brdf import MODELS
+from addon.forms.albedo import bake, sizes, tables
 
 SHORT = {"resolution": "draft", "highest": 4.0}
 
@@ -235,12 +235,12 @@ def test_a_material_beyond_its_tables_is_told(short):
 def test_a_short_table_renders_its_albedo_and_stripes_beyond(short, lut, capfd):
     """In the furnace at 60 degrees: inside the range and at its ends as the formula says; beyond no albedo at all."""
     from addon.blender.material import groups, materials
-    from addon.verify import room
+    from addon.measure import scene
 
     model = MODELS["pumped_phong"]
     material = make("pumped_phong", lut=lut, exponent=20.0, pumps=2.0, control=False)
     node = groups.find_node(material)
-    with room.Room(material, room.PLANE, 16) as place:
+    with scene.MeasuringScene(material, scene.PLANE, 16) as place:
         place.sky(1.0)
         place.look_from((np.sin(np.radians(60.0)), 0.0, 0.5))
         for exponent in (1.0, 20.0, 60.0):
@@ -259,11 +259,11 @@ def test_a_short_table_renders_its_albedo_and_stripes_beyond(short, lut, capfd):
 
 
 def test_a_baked_model_is_baked_once(bpy, monkeypatch):
-    from addon.baking.rows import error as rows_error
-    from addon.baking.rows import row_bake
     from addon.blender.backend import osl
     from addon.blender.host import cache
     from addon.blender.material import baked_state, groups
+    from addon.forms.rows import error as rows_error
+    from addon.forms.rows import row_bake
 
     calls, blank = [], row_bake.blank
     monkeypatch.setattr(cache, "_memory", {})

@@ -8,10 +8,11 @@ import pytest
 from truth import quadrature
 
 from addon import cli
-from addon.baking import bake, workers
-from addon.brdf import exr, lobes, pump_stages, tables
-from addon.brdf.axes import ColumnAxis, RowAxis
-from addon.brdf.tables import TABLES, Table
+from addon.forms import workers
+from addon.forms.albedo import bake, tables
+from addon.forms.albedo.axes import ColumnAxis, RowAxis
+from addon.forms.albedo.tables import TABLES, Table
+from addon.models import exr, lobes, pump_stages
 
 LOBES = {"phong": lobes.PHONG, "blinn": lobes.BLINN}
 NAMES = list(TABLES)

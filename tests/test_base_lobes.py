@@ -10,7 +10,8 @@ import pytest
 from truth import quadrature
 
 from addon import resources
-from addon.brdf import MODELS, tables
+from addon.brdf import MODELS
+from addon.forms.albedo import tables
 
 BASE = json.loads((resources.LUTS / "base_lobes.json").read_text(encoding="utf-8"))
 FAMILIES = list(BASE["families"])
@@ -219,7 +220,7 @@ def test_a_base_too_bright_or_too_dark_would_be_noticed(factor):
 
 
 def test_file_is_what_the_fit_declares():
-    from addon.baking.base_lobes import closures, fit
+    from addon.forms.base_lobes import closures, fit
 
     assert (BASE["drawn"], BASE["hole"], BASE["grazing"]) == (fit.DRAWN, fit.HOLE, closures.GRAZING)
     assert tuple(BASE["features"]) == closures.FEATURES
@@ -237,7 +238,7 @@ def test_file_is_what_the_fit_declares():
 
 @pytest.mark.parametrize(("name", "i", "j"), [("phong", 6, 4), ("phong", 18, 8), ("blinn", 18, 12)])
 def test_a_node_fitted_again_is_the_shipped(name, i, j):
-    from addon.baking.base_lobes import closures, fit
+    from addon.forms.base_lobes import closures, fit
 
     family = closures.FAMILIES[name]
     table = np.reshape(BASE["families"][name]["table"], (family.u_nodes, family.v_nodes, -1))

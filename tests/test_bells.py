@@ -4,8 +4,8 @@ import json
 import numpy as np
 import pytest
 
-from addon.baking import bells
-from addon.brdf import tables
+from addon.forms import bells
+from addon.forms.albedo import tables
 
 STORED = json.loads((tables.folder() / bells.FILE).read_text(encoding="utf-8"))
 WIDTH = 2.4 / 600

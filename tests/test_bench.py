@@ -4,11 +4,13 @@ import json
 import numpy as np
 import pytest
 
-from addon import bench, cli
-from addon.bench import bake, efficiency, luts, nearest, scaling
-from addon.brdf import MODELS, tables
-from addon.brdf.lobes import BLINN, PHONG
-from addon.verify import room, standards
+from addon import cli
+from addon.brdf import MODELS
+from addon.dev import bench
+from addon.dev.bench import bake, efficiency, luts, nearest, scaling
+from addon.forms.albedo import tables
+from addon.measure import scene, standards
+from addon.models.lobes import BLINN, PHONG
 
 pytestmark = pytest.mark.blender
 BRIEF = bench.Effort(0.1, 3)
@@ -51,9 +53,9 @@ def test_a_node_is_the_closure_that_it_is_taken_for(distribution):
     """SVM's Glossy node of the roughness r is the closure of the slope r²: under a sun of no size, by its formula."""
     view, light = (np.array([np.sin(t), 0.0, np.cos(t)]) for t in (0.4, -0.7))
     expected = np.pi * standards.microfacet(distribution, 0.3).evaluate(view, light)[0] * light[2]
-    with room.Room(standards.native(distribution.upper(), 0.3**0.5), room.PLANE, 8) as place:
+    with scene.MeasuringScene(standards.native(distribution.upper(), 0.3**0.5), scene.PLANE, 8) as place:
         place.scene.cycles.shading_system = False
-        place.shine("SUN", light, energy=room.SUN_ENERGY, angle=0.0)
+        place.shine("SUN", light, energy=scene.SUN_ENERGY, angle=0.0)
         place.look_from(view)
         measured = place.render(4).mean()
     assert measured == pytest.approx(expected, rel=2e-3)
@@ -67,7 +69,7 @@ def test_the_base_alone_is_the_model_without_splats(model, exact):
     whole, base = nearest.ours(MODELS[model], values, 4), nearest.base_alone(MODELS[model], values)
     pictures = {}
     for name, candidate in (("whole", whole), ("base", base)):
-        with room.Room(candidate.material, room.PLANE, 16) as place:
+        with scene.MeasuringScene(candidate.material, scene.PLANE, 16) as place:
             place.sky(1.0)
             place.look_from((0.6, 0.0, 0.8))
             pictures[name] = place.render(256)

@@ -8,10 +8,10 @@ from scipy import stats
 
 from addon import cli
 from addon.brdf import MODELS
-from addon.brdf.geometry import around, in_plane
-from addon.brdf.samplers import AxisPower, Cosine
-from addon.verify import chi_square
-from addon.verify.chi_square import compare, significance
+from addon.models.geometry import around, in_plane
+from addon.models.samplers import AxisPower, Cosine
+from addon.statistics import chi_square
+from addon.statistics.chi_square import compare, significance
 
 pytestmark = pytest.mark.proof
 SAMPLES = 1_000_000

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from addon import brdf, cli
-from addon.baking import bake
+from addon.forms.albedo import bake
 
 
 def one_line(capsys):

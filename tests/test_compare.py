@@ -9,8 +9,8 @@ from scipy import optimize
 
 from addon import cli
 from addon.brdf import MODELS
-from addon.compare import agreement, lobes, properties, published
-from addon.figures import compare as figures
+from addon.dev.compare import agreement, lobes, properties, published
+from addon.dev.figures import compare as figures
 
 ROUGH = agreement.SURFACES[0]
 SYMMETRIC = ("phong", "blinn", "pumped_phong", "ward", "cook_torrance", "ashikhmin_shirley", "he_torrance",

@@ -4,7 +4,7 @@ import math
 import numpy as np
 import pytest
 
-from addon.demo import shapes
+from addon.dev.demo import shapes
 
 pytestmark = pytest.mark.blender
 RESOLUTION = (64, 48)
@@ -48,7 +48,7 @@ def pictures(tmp_path_factory):
     pytest.importorskip("bpy")
     import bpy
 
-    from addon.demo import panels
+    from addon.dev.demo import panels
 
     folder = tmp_path_factory.mktemp("demo")
     lines = []
@@ -82,7 +82,7 @@ def _floor_cosines(scene):
 
 
 def test_every_panel_is_finite_and_lit(pictures):
-    from addon.demo import panels
+    from addon.dev.demo import panels
 
     _, loaded, _ = pictures
     assert list(loaded) == [panel.stem for panel in panels.panels()]
@@ -117,7 +117,7 @@ def test_pumping_lights_the_floor_where_it_is_seen_at_grazing(pictures, row, exp
 
 def test_contact_sheet_holds_the_panels_pixel_for_pixel(pictures, tmp_path):
     image = pytest.importorskip("matplotlib.image")
-    from addon.demo import panels, sheet
+    from addon.dev.demo import panels, sheet
 
     folder, *_ = pictures
     paths = [folder / f"{panel.stem}.png" for panel in panels.panels()]
@@ -133,7 +133,7 @@ def test_saved_scene_is_small_and_knows_no_path(pictures, tmp_path):
 
     from addon.blender.backend import osl
     from addon.blender.material import groups
-    from addon.demo import panels, scene
+    from addon.dev.demo import panels, scene
 
     stage = scene.build(RESOLUTION)
     panels.prepare(stage, 4)
@@ -160,8 +160,8 @@ def test_presets_are_cut_into_tiles(tmp_path, monkeypatch):
     """Of three, in two rows: each has its colour in the middle and the ground in its corners."""
     pytest.importorskip("bpy")
     image = pytest.importorskip("matplotlib.image")
-    from addon.brdf.presets import PRESETS
-    from addon.demo import presets
+    from addon.dev.demo import presets
+    from addon.library.presets import PRESETS
 
     names = ("gold_polished", "coated_plastic", "glossy_plastic")
     monkeypatch.setattr(presets, "PRESETS", {name: PRESETS[name] for name in names})
@@ -190,7 +190,7 @@ def test_resolution_that_is_none_is_refused(text, capsys):
 def test_figures_are_written_as_png_and_svg(tmp_path, capsys):
     pytest.importorskip("matplotlib")
     from addon import cli
-    from addon.figures import pumping
+    from addon.dev.figures import pumping
 
     assert cli.main(["figures", "pumping", "--output", str(tmp_path)]) == 0
     assert len(capsys.readouterr().out.splitlines()) == 2 * len(pumping.SET)
@@ -200,7 +200,7 @@ def test_figures_are_written_as_png_and_svg(tmp_path, capsys):
 
 
 def test_figures_show_the_papers_values():
-    from addon.figures import pumping
+    from addon.dev.figures import pumping
 
     angles, albedo = pumping.albedo_curve("pumped_phong", exponent=20.0, pumps=0.0)
     np.testing.assert_allclose(np.interp([40.0, 60.0, 80.0], angles, albedo), [0.7660, 0.5005, 0.2004], atol=5e-4)

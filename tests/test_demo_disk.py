@@ -46,7 +46,7 @@ def _boxes(scene, resolution, names):
 def road(tmp_path_factory):
     """Pixels of the diffuse and of the retroreflective road, and the boxes of its signs and their faces."""
     bpy = pytest.importorskip("bpy")
-    from addon.demo import road
+    from addon.dev.demo import road
 
     resolution, lines = (128, 80), []
     paths = road.render_all(tmp_path_factory.mktemp("road"), resolution, samples=16, report=lines.append)
@@ -79,7 +79,7 @@ def test_markings_shine_far_ahead_and_the_asphalt_does_not(road):
 
 def test_the_ways_along_the_road_are_metres():
     pytest.importorskip("bpy")
-    from addon.demo import road
+    from addon.dev.demo import road
 
     way = np.array([road.centre(s) for s in np.arange(0.0, road.ROAD_END, 1.0)])
     np.testing.assert_allclose(np.linalg.norm(np.diff(way, axis=0), axis=1), 1.0, rtol=0.01)
@@ -94,7 +94,7 @@ def test_the_ways_along_the_road_are_metres():
 def spheres(tmp_path_factory):
     """Pixels of the spheres' picture and each sphere's box."""
     bpy = pytest.importorskip("bpy")
-    from addon.demo import spheres
+    from addon.dev.demo import spheres
 
     resolution = (160, 120)
     paths = spheres.render_all(tmp_path_factory.mktemp("spheres"), resolution, samples=6)
@@ -136,7 +136,7 @@ def test_highlights_turn_with_the_lump(spheres):
 def furnace(tmp_path_factory):
     """label -> (radiance (N,) over the background's, distance (N,) from the centre in radii) of a sphere's pixels."""
     pytest.importorskip("bpy")
-    from addon.demo import furnace
+    from addon.dev.demo import furnace
 
     resolution = (240, 120)
     paths = furnace.render_all(tmp_path_factory.mktemp("furnace"), resolution, samples=16)
@@ -214,7 +214,7 @@ def test_blends_need_nothing_beside_them(module, blend, names, count, tmp_path):
     bpy = pytest.importorskip("bpy")
     assert _check_blend(BLENDS / blend, names) == count
     fresh = tmp_path / blend
-    importlib.import_module(f"addon.demo.{module}").save_blend(fresh, (48, 32), 2)
+    importlib.import_module(f"addon.dev.demo.{module}").save_blend(fresh, (48, 32), 2)
     assert [path.name for path in tmp_path.iterdir()] == [blend]
     assert _check_blend(fresh, names) == count
     scene = bpy.context.scene

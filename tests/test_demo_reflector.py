@@ -8,7 +8,7 @@ import pytest
 from addon.brdf import MODELS
 
 bpy = pytest.importorskip("bpy")
-from addon.demo import reflector  # noqa: E402
+from addon.dev.demo import reflector  # noqa: E402
 
 pytestmark = pytest.mark.blender
 RESOLUTION = (64, 60)

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from addon.brdf import MODELS, disk, tables
-from addon.brdf.disk_model import DiskModel
-from addon.brdf.errors import ParameterError, UnknownParameter
+from addon.brdf import MODELS
+from addon.forms.albedo import tables
+from addon.models import disk
+from addon.models.disk_model import DiskModel
+from addon.models.errors import ParameterError, UnknownParameter
 
 ON_DISK = [name for name, model in MODELS.items() if isinstance(model, DiskModel)]
 PROJECTIONS = {"scaling": disk.SCALING, "orthogonal": disk.ORTHOGONAL}

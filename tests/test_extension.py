@@ -11,9 +11,9 @@ from blender_help.process import run_blender
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 from addon import brdf, cli
-from addon.brdf import tables
-from addon.packaging import archive, checks
-from addon.shading import source
+from addon.backends.osl import assembler
+from addon.dev.packaging import archive, checks
+from addon.forms.albedo import tables
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def test_zip_holds_the_extension_and_nothing_else(package):
     manual = settings_manual()
     assert manual in names, "what Documentation in the preferences opens"
     assert {f"luts/{name}.exr" for name in tables.TABLES} <= set(names)
-    assert {f"osl/{source.shader_path(model).name}" for model in brdf.MODELS.values()} <= set(names)
+    assert {f"osl/{assembler.shader_path(model).name}" for model in brdf.MODELS.values()} <= set(names)
 
 
 def settings_manual():
@@ -280,8 +280,8 @@ else:
     import addon_utils
     assert addon_utils.enable("bl_ext.user_default.plausible_brdf", default_set=True)
 addon = sys.modules["bl_ext.user_default.plausible_brdf.addon"]
-from bl_ext.user_default.plausible_brdf.addon.baking.rows import error as rows_error
-from bl_ext.user_default.plausible_brdf.addon.baking.rows import row_bake
+from bl_ext.user_default.plausible_brdf.addon.forms.rows import error as rows_error
+from bl_ext.user_default.plausible_brdf.addon.forms.rows import row_bake
 from bl_ext.user_default.plausible_brdf.addon.blender.host import cache, settings
 from bl_ext.user_default.plausible_brdf.addon.blender.material import baked_state, groups
 from bl_ext.user_default.plausible_brdf.addon.blender.backend import osl
@@ -337,8 +337,8 @@ def listing():
 
 before = listing()
 assert not own.exists(), "nothing is made before it is needed"
-from bl_ext.user_default.plausible_brdf.addon.baking.rows import error as rows_error
-from bl_ext.user_default.plausible_brdf.addon.baking.rows import row_bake
+from bl_ext.user_default.plausible_brdf.addon.forms.rows import error as rows_error
+from bl_ext.user_default.plausible_brdf.addon.forms.rows import row_bake
 import numpy as np
 blank, known = row_bake.blank, rows_error.RowsError(np.zeros(1), np.array([0.01]), np.array([0.0]))
 row_bake.bake, rows_error.error = lambda model, p: blank(model, p), lambda model, p: known
@@ -385,7 +385,7 @@ def test_enabling_loads_nothing_that_is_slow_and_the_zip_is_small(package, tmp_p
     loaded = run_blender(tmp_path, ENABLE, package)["loaded"]
     assert any(name.endswith("addon.blender.ui.panels") for name in loaded)
     assert not {"scipy", "matplotlib", "colour", "OpenImageIO"} & set(loaded)
-    assert not [name for name in loaded if ".addon.verify" in name or ".addon.demo" in name or ".figures" in name]
+    assert not [name for name in loaded if ".addon.measure" in name or ".addon.dev.demo" in name or ".figures" in name]
     assert 1e6 < package.stat().st_size < 10e6
 
 

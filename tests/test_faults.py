@@ -16,8 +16,9 @@ from blender_help.recorder import Recorder, context_for, drawn, operators, texts
 
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
-from addon.brdf import MODELS, tables
-from addon.brdf.tables import TABLES, TableError
+from addon.brdf import MODELS
+from addon.forms.albedo import tables
+from addon.forms.albedo.tables import TABLES, TableError
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -190,14 +191,14 @@ def draw_all(bpy, material):
 def use_all(bpy, material):
     """Everything that a user or Blender does to a material, one after the other; what is reported."""
     from addon.blender.material import upgrade, watch
-    from addon.verify import subject
+    from addon.measure import specimen
 
     group = material.plausible_brdf
     for name in [prop.identifier for prop in group.bl_rna.properties]:
         getattr(group, name)
     watch._changed.add(material.name_full)
     watch._look()
-    subject._formula(material)
+    specimen._formula(material)
     said = [upgrade.upgrade_all()]
     for name, settings in (
             ("switch_width", {}), ("compare_pumping", {}), ("compare_pumping", {}), ("switch_native", {}),
@@ -322,7 +323,7 @@ def test_an_edited_material_is_measured_or_refused(edit, tmp_path, capfd):
 
 
 def test_a_file_without_bytecode_does_not_end_blender(bpy, tmp_path):
-    from addon.verify import instruments
+    from addon.measure import instruments
 
     EDITS["no bytecode"](make("pumped_phong"))
     bpy.data.libraries.write(str(tmp_path / "edited.blend"), set(bpy.data.materials), fake_user=True)
@@ -364,7 +365,7 @@ KINDS = {
 
 @pytest.mark.parametrize("kind", [*KINDS, "compressed"])
 def test_a_table_of_another_kind_is_told(kind, bpy, table_folder):
-    from addon.brdf import exr
+    from addon.models import exr
 
     shutil.copytree(tables.PACKAGED, table_folder, dirs_exist_ok=True)
     path = TABLES["phong_controlled"].path
@@ -497,7 +498,7 @@ def is_alive(pid):
 ])
 def test_a_broken_manifest_is_told_by_build(text, words, tmp_path, monkeypatch, capsys):
     from addon import cli
-    from addon.packaging import archive, checks
+    from addon.dev.packaging import archive, checks
 
     (tmp_path / "blender_manifest.toml").write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(archive.PackageError, match=words or "missing"):
@@ -570,7 +571,7 @@ addon.unregister()
 
 @pytest.fixture(scope="module")
 def package(tmp_path_factory):
-    from addon.packaging import archive
+    from addon.dev.packaging import archive
 
     return archive.build(tmp_path_factory.mktemp("dist"))
 
@@ -598,7 +599,7 @@ def zeros(path, pixels):
 
 
 def rewritten(path, pixels, value):
-    from addon.brdf import exr
+    from addon.models import exr
 
     image = pixels.copy()
     image[1:-1] = value
@@ -606,13 +607,13 @@ def rewritten(path, pixels, value):
 
 
 def a_row_less(path, pixels):
-    from addon.brdf import exr
+    from addon.models import exr
 
     exr.write(path, np.delete(pixels, 20, axis=0), {})
 
 
 def half_the_columns(path, pixels):
-    from addon.brdf import exr
+    from addon.models import exr
 
     exr.write(path, np.ascontiguousarray(pixels[:, ::2]), {})
 
@@ -623,7 +624,7 @@ def test_a_spoilt_file_is_told_in_picture_and_panel(spoil, bpy, tmp_path, capfd)
     from blender_help.materials import use_table
     from optics.plane import picture
 
-    from addon.brdf import exr
+    from addon.models import exr
 
     path = tmp_path / "spoilt.exr"
     spoil(path, exr.read(TABLES["phong_controlled"].path)[0])

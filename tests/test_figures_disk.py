@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 from addon import cli
-from addon.brdf import MODELS, disk
-from addon.figures import disk as figures
+from addon.brdf import MODELS
+from addon.dev.figures import disk as figures
+from addon.models import disk
 
 TINY = {"rtol": 1e-9, "atol": 1e-9}
 

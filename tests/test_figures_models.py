@@ -6,7 +6,7 @@ import pytest
 from matplotlib import image
 
 from addon.brdf import MODELS
-from addon.figures import models as figures
+from addon.dev.figures import models as figures
 
 RADIUS = 0.47
 
@@ -74,7 +74,7 @@ def test_a_saved_picture_is_small(tmp_path):
 def test_balls_show_the_values(tmp_path, monkeypatch):
     """Pumped, Phong's rim is as bright as metal's; before, it is dark. From within the rim both are nearly alike."""
     pytest.importorskip("bpy")
-    from addon.demo import balls
+    from addon.dev.demo import balls
 
     monkeypatch.setattr(balls, "SAMPLES", 16)
     side = 32

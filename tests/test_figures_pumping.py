@@ -11,7 +11,7 @@ from scipy import special
 from truth import quadrature
 from truth.literature import he_torrance
 
-from addon.figures import pumping as figures
+from addon.dev.figures import pumping as figures
 
 M = 0.1
 PHONG, HE, COOK, WARD, UNSHADOWED, DUER = figures.COMPARED

@@ -16,7 +16,7 @@ BOUND = 0.02  # of a highlight's light: splats leave up to 0.01 of noise here
 def row(tmp_path_factory):
     """The module that renders, with two columns, and its pixels (rows, columns, side, side, 3), from the top left."""
     bpy = pytest.importorskip("bpy")
-    from addon.demo import phong_row
+    from addon.dev.demo import phong_row
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(phong_row, "EXPONENTS", EXPONENTS)
@@ -63,8 +63,8 @@ def test_highlights_grow_brighter_where_normalised(row):
 def test_the_figure_is_written_as_png_and_svg(tmp_path, capsys, monkeypatch):
     pytest.importorskip("bpy")
     pytest.importorskip("matplotlib")
-    from addon.demo import phong_row
-    from addon.figures import rtr
+    from addon.dev.demo import phong_row
+    from addon.dev.figures import rtr
 
     monkeypatch.setattr(phong_row, "EXPONENTS", EXPONENTS)
     monkeypatch.setattr(rtr, "RESOLUTION", (64, 64))

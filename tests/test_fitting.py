@@ -9,10 +9,10 @@ from truth import quadrature
 
 from addon import brdf, cli
 from addon.brdf import MODELS
-from addon.brdf.pumped_model import PumpedModel
 from addon.fitting import fit, minimax, samples
 from addon.fitting import match as matching
 from addon.fitting.match import match
+from addon.models.pumped_model import PumpedModel
 
 # f(N, L) / f(N, N) over the half vector's angle b, of the formulas in the papers; G is that of V-shaped grooves.
 NORMALISED = {

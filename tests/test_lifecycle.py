@@ -5,7 +5,7 @@ from blender_help.recorder import context_for, drawn, properties, texts
 
 from addon import create_material
 from addon.brdf import MODELS
-from addon.verify import room
+from addon.measure import scene
 
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
@@ -151,7 +151,7 @@ def test_two_scenes_have_switches_of_their_own(bpy):
 
 
 def lit_plane(material):
-    with room.Room(material, room.PLANE, 8) as place:
+    with scene.MeasuringScene(material, scene.PLANE, 8) as place:
         place.sky(1.0)
         place.look_from((np.sin(1.0), 0.0, np.cos(1.0)))
         return place.render(64).mean(axis=(0, 1))

@@ -15,9 +15,10 @@ from truth.hemisphere import NODES, half_vectors, integrated
 from truth.literature import by_hand
 from truth.quadrature import view_at
 
-from addon.brdf import MODELS, samplers
-from addon.brdf.formula_model import FormulaModel
-from addon.brdf.pumped_model import PumpedModel, pumped
+from addon.brdf import MODELS
+from addon.models import samplers
+from addon.models.formula_model import FormulaModel
+from addon.models.pumped_model import PumpedModel, pumped
 
 FORMULAS = {name: model for name, model in MODELS.items() if isinstance(model, FormulaModel)}
 PUMPED = {name: model for name, model in FORMULAS.items() if isinstance(model, PumpedModel)}

@@ -12,7 +12,9 @@ from blender_help.materials import use_table
 from optics.plane import picture
 
 from addon import create_material
-from addon.brdf import MODELS, exr, tables
+from addon.brdf import MODELS
+from addon.forms.albedo import tables
+from addon.models import exr
 
 pytestmark = pytest.mark.blender
 
@@ -165,10 +167,10 @@ sys.path.insert(0, sys.argv[1])
 import bpy
 with bpy.data.libraries.load(sys.argv[2]) as (_, wanted):
     wanted.materials = sys.argv[3:]
-from addon.verify import room
+from addon.measure import scene
 shown = {}
 for material in wanted.materials:
-    with room.Room(material, room.PLANE, 16) as place:
+    with scene.MeasuringScene(material, scene.PLANE, 16) as place:
         place.sky(1.0)
         place.look_from((0.6, 0.0, 0.8))
         for samples in (64, 256, 1024):

@@ -4,8 +4,8 @@ import sys
 import numpy as np
 import pytest
 
-from addon.brdf.fresnel import conductor
-from addon.brdf.metals import METALS
+from addon.library.metals import METALS
+from addon.models.fresnel import conductor
 
 # Linear Rec. 709 reflectances at normal incidence that others publish: Unity's Metal Reflectance node, Adobe's table
 # of metals for the Standard Material. Samples differ (a fresh film outshines a scratched plate), hence a tolerance
@@ -62,14 +62,14 @@ def test_colours_tell_the_metals_apart():
 
 
 def test_metals_need_no_numpy_of_their_own():
-    assert "numpy" not in vars(sys.modules["addon.brdf.metals"])
+    assert "numpy" not in vars(sys.modules["addon.library.metals"])
 
 
 @pytest.fixture(scope="module")
 def derivation():
     pytest.importorskip("colour")
     pytest.importorskip("scipy")
-    from addon.demo import derive_metals
+    from addon.dev.demo import derive_metals
 
     return derive_metals
 

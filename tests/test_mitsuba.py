@@ -16,9 +16,9 @@ import pytest
 from scipy import stats
 
 from addon.brdf import MODELS
-from addon.brdf.geometry import in_plane
-from addon.verify import plots, room
-from addon.verify.chi_square import significance
+from addon.measure import plots
+from addon.models.geometry import in_plane
+from addon.statistics.chi_square import significance
 
 PYTHON = os.environ.get("PLAUSIBLE_MITSUBA_PYTHON") or sys.executable
 LLVM = "libLLVM.so.19.1"
@@ -211,12 +211,12 @@ def by_cycles(bpy):
     for model, parameters in MATERIALS.items():
         material = create_material(model, **parameters)
         for scene in SCENES:
-            with room.Room(material, room.BALL, SIZE) as place:
+            with scene.MeasuringScene(material, scene.BALL, SIZE) as place:
                 place.scene.cycles.pixel_filter_type = "BOX"
                 place.look_from((0.0, 0.0, 1.0), WIDTH)
                 place.sky(float(scene in ("furnace", "hdri")), hdri(bpy) if scene == "hdri" else None)
                 if scene == "sun":
-                    place.shine("SUN", SLANT, energy=room.SUN_ENERGY, angle=0.0)
+                    place.shine("SUN", SLANT, energy=scene.SUN_ENERGY, angle=0.0)
                 if scene == "area":  # a square's radiance is its power over pi and its area
                     power = np.pi * AREA["size"] ** 2 * AREA_RADIANCE
                     place.shine("AREA", SLANT, shape="SQUARE", energy=power, **AREA)

@@ -11,9 +11,11 @@ from scipy import stats
 from truth import quadrature
 
 from addon import brdf
-from addon.brdf import MODELS, fresnel, metals, registry
-from addon.brdf.errors import ArgumentError, DuplicateModel, ParameterError, UnknownModel, UnknownParameter
-from addon.brdf.tables import TableError
+from addon.brdf import MODELS
+from addon.forms.albedo.tables import TableError
+from addon.library import metals
+from addon.models import fresnel, registry
+from addon.models.errors import ArgumentError, DuplicateModel, ParameterError, UnknownModel, UnknownParameter
 
 EXPONENTS = [1.0, 1.7, 20.0, 1000.0, 100000.0]
 WHITE = {

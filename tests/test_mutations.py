@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[1]
 def test_names_are_given_once_and_there_are_enough():
     names = [mutation.name for mutation in mutations.MUTATIONS]
     assert len(set(names)) == len(names) >= 30
-    assert {"addon/brdf", "osl/include", "luts", "addon/baking", "addon/verify"} <= {
+    assert {"addon/models", "osl/include", "luts", "addon/forms", "addon/measure"} <= {
         str(Path(mutation.file).parent) for mutation in mutations.MUTATIONS}
 
 

@@ -11,12 +11,14 @@ from scipy import stats
 from truth.hemisphere import even_lights
 
 from addon import cli
-from addon.baking import star
-from addon.baking.rows import row_bake
-from addon.brdf import MODELS, exr, half_map, images, tables
-from addon.brdf.errors import ImageError, ParameterError
-from addon.compare import properties
+from addon.brdf import MODELS
+from addon.dev.compare import properties
 from addon.fitting import match as matching
+from addon.forms.albedo import tables
+from addon.forms.rows import row_bake
+from addon.library import star
+from addon.models import exr, half_map, images
+from addon.models.errors import ImageError, ParameterError
 
 MODEL = MODELS["ndf_map"]
 

@@ -15,7 +15,7 @@ from optics.pairs import peak, until_sharp
 
 from addon import create_material
 from addon.brdf import MODELS
-from addon.verify.comparison import SIGMAS
+from addon.measure.comparison import SIGMAS
 
 pytestmark = pytest.mark.blender
 

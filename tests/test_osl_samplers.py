@@ -13,14 +13,15 @@ from optics.directions import toward
 from optics.names import name_of
 
 from addon import brdf, create_material
-from addon.baking import bells
-from addon.baking.rows import layout as row_layout
-from addon.baking.rows import row_bake
-from addon.brdf import disk, tables
-from addon.brdf.geometry import dot, half, mirror, normalize
-from addon.brdf.lobes import BLINN, PHONG
-from addon.shading import definitions
-from addon.verify import chi_square
+from addon.backends.osl import definitions
+from addon.forms import bells
+from addon.forms.albedo import tables
+from addon.forms.rows import layout as row_layout
+from addon.forms.rows import row_bake
+from addon.models import disk
+from addon.models.geometry import dot, half, mirror, normalize
+from addon.models.lobes import BLINN, PHONG
+from addon.statistics import chi_square
 
 pytestmark = pytest.mark.blender
 

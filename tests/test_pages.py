@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 
 from addon import cli
-from addon.brdf import MODELS, presets
-from addon.packaging import archive
-from addon.pages import limits, links, manual, model_page, shown, write
+from addon.brdf import MODELS
+from addon.dev.packaging import archive
+from addon.dev.pages import limits, links, manual, model_page, shown, write
+from addon.library import presets
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]

@@ -10,7 +10,7 @@ from blender_help.recorder import Recorder, context_for, drawn, operators, prope
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 from addon import brdf
-from addon.brdf import tables
+from addon.forms.albedo import tables
 
 FRESNEL = {"constant": {"base_color"}, "schlick": {"base_color", "f90"}, "conductor": {"ior", "extinction"}}
 COLOURS = set().union(*FRESNEL.values())
@@ -41,7 +41,7 @@ def test_panel_shows_what_the_model_reads_and_nothing_else(bpy, no_weights, mode
 def test_presets(bpy, no_weights):
     """Each is a valid choice of its model's parameters, and is put into any material of ours as it stands."""
     from addon.blender.material import groups, sockets
-    from addon.brdf.presets import PRESETS
+    from addon.library.presets import PRESETS
 
     assert len(PRESETS) >= 7
     material = make("pumped_blinn", exponent=3.0, base_color=(0.5, 0.25, 0.125))
@@ -97,8 +97,8 @@ def test_convert_keeps_the_width_of_the_lobe(bpy, no_weights, capsys):
 
 
 def test_convert_bakes_once_and_holds_at_the_end_of_a_range(bpy, monkeypatch, no_weights, capsys):
-    from addon.baking.rows import row_bake
     from addon.blender.material import baked_state, sockets
+    from addon.forms.rows import row_bake
 
     baked, few = [], row_bake.bake(None, None)
     monkeypatch.setattr(row_bake, "bake", lambda model, parameters: baked.append((model.id, parameters)) or few)
@@ -272,7 +272,7 @@ def test_every_obstacle_is_named_and_has_a_cure(bpy, monkeypatch, tmp_path):
 
 
 def test_metal_sets_what_the_model_has(bpy):
-    from addon.brdf.metals import METALS
+    from addon.library.metals import METALS
 
     material = make("phong", fresnel_type="schlick")
     with bpy.context.temp_override(material=material):
@@ -287,7 +287,7 @@ def test_metal_sets_what_the_model_has(bpy):
 def test_menu_and_preferences_draw(bpy):
     from addon.blender.ui.operators.metals import PLAUSIBLE_MT_metals
     from addon.blender.ui.preferences import PlausiblePreferences
-    from addon.brdf.metals import METALS
+    from addon.library.metals import METALS
 
     log = []
     PLAUSIBLE_MT_metals.draw(SimpleNamespace(layout=Recorder(log)), None)
@@ -369,8 +369,8 @@ def test_bake_makes_the_shipped_table(bpy, one_table):
 
 
 def test_failed_bake_is_reported(bpy, monkeypatch, capsys):
-    from addon.baking import bake
     from addon.blender.host import table_job
+    from addon.forms.albedo import bake
 
     def broken(names, workers, size):
         yield 1, 2, "phong_plain"

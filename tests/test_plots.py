@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from optics.images import spot, written
 
-from addon.brdf import MODELS, quadrature
-from addon.brdf.errors import ImageError
-from addon.brdf.geometry import in_plane
-from addon.brdf.metals import METALS
-from addon.brdf.models import he_torrance
+from addon.brdf import MODELS
+from addon.library.metals import METALS
+from addon.models import quadrature
+from addon.models.errors import ImageError
+from addon.models.formulas import he_torrance
+from addon.models.geometry import in_plane
 from addon.plots import letters, picture, quick
 
 AT = (0.0, 30.0, 60.0, 80.0, 88.0)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from addon import cli
-from addon.brdf import tables
-from addon.verify import portable
+from addon.forms.albedo import tables
+from addon.portability import portable
 
 ROOT = Path(__file__).resolve().parents[1]
 LIBRARY = Path("lib dir") / "möbel ü.blend"
@@ -234,7 +234,7 @@ def told(monkeypatch, capsys, tmp_path, *journeys):
 
 
 def journey(alone=PICTURE, **others):
-    return portable.Journey("blender", **{"version": "9.0", "in_place": PICTURE, "alone": alone, **others})
+    return portable.Probe("blender", **{"version": "9.0", "in_place": PICTURE, "alone": alone, **others})
 
 
 def test_one_bit_is_a_difference(monkeypatch, capsys, tmp_path):
@@ -264,7 +264,7 @@ def test_another_version_may_differ_by_noise_and_no_more(monkeypatch, capsys, tm
 
 
 def test_the_extension_is_hidden_from_a_file_that_is_alone():
-    from addon.verify.traveller import _Hidden
+    from addon.portability.probe import _Hidden
 
     for name in ("addon", "addon.brdf", "bl_ext.user_default.plausible_brdf"):
         with pytest.raises(ModuleNotFoundError):

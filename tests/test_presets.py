@@ -5,11 +5,12 @@ import numpy as np
 import pytest
 
 from addon import cli
-from addon.brdf import MODELS, presets
-from addon.brdf.channels import rgb
-from addon.brdf.fresnel import conductor
-from addon.brdf.metals import METALS
-from addon.brdf.presets import GROUPS, PRESETS
+from addon.brdf import MODELS
+from addon.library import presets
+from addon.library.metals import METALS
+from addon.library.presets import GROUPS, PRESETS
+from addon.models.channels import rgb
+from addon.models.fresnel import conductor
 
 ANGLES = np.arange(0.0, 81.0, 10.0)
 FROM_MEASURED = 0.005  # of a metal's reflectance, at normal incidence

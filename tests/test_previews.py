@@ -5,8 +5,8 @@ import pytest
 
 from addon import assets, cli
 from addon.brdf import MODELS
-from addon.brdf.presets import PRESETS
-from addon.packaging import archive
+from addon.dev.packaging import archive
+from addon.library.presets import PRESETS
 
 PATHS = [assets.preview(key) for key in (*MODELS, *PRESETS)]
 
@@ -39,7 +39,7 @@ def test_a_name_that_is_none(capsys):
 @pytest.mark.blender
 def test_looks_are_valid():
     pytest.importorskip("bpy")
-    from addon.demo import previews
+    from addon.dev.demo import previews
 
     for model_id, model in MODELS.items():
         model.resolve(previews.look(model_id))
@@ -52,7 +52,7 @@ def test_rendering_one(tmp_path):
     """A ball in the middle before the ground's colour, redder where it is copper; an older file is replaced."""
     pytest.importorskip("bpy")
     image = pytest.importorskip("PIL.Image")
-    from addon.demo import previews
+    from addon.dev.demo import previews
 
     path = assets.preview("pumped_blinn", tmp_path)
     path.write_bytes(b"old")

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from addon import cli
+from addon.backends.nodes import principled_bsdf as bsdf
+from addon.backends.nodes import principled_fit
 from addon.brdf import MODELS, roughness_of_exponent
-from addon.brdf.errors import ParameterError
-from addon.brdf.geometry import view_at
-from addon.brdf.metals import METALS
-from addon.fitting import principled
-from addon.fitting import principled_bsdf as bsdf
+from addon.library.metals import METALS
+from addon.models.errors import ParameterError
+from addon.models.geometry import view_at
 
 GOLD, BLUE = (1.0, 0.784, 0.342), (0.1, 0.25, 0.6)
 
@@ -42,7 +42,7 @@ def errors(evaluate, inputs, views):
     return 100.0 * np.mean(lobe), 100.0 * np.mean(sky)
 
 
-VIEWS = view_at(np.cos(np.radians(principled.VIEWS)))
+VIEWS = view_at(np.cos(np.radians(principled_fit.VIEWS)))
 
 
 def test_albedo_of_white_ggx():
@@ -110,7 +110,7 @@ class _Node:
 @pytest.mark.parametrize("narrower", [0.6, 1.5])
 def test_fit_finds_the_inputs_that_made_it(inputs, narrower):
     """Also where the model's own word about its width is wrong by half."""
-    found = principled.fit(_Node(inputs, narrower), {})
+    found = principled_fit.fit(_Node(inputs, narrower), {})
     assert found.roughness == pytest.approx(inputs.roughness, rel=0.03)
     assert found.base_color == pytest.approx(inputs.base_color, abs=0.02)
     assert (found.metallic, found.anisotropic) == pytest.approx((inputs.metallic, inputs.anisotropic), abs=1e-6)
@@ -124,7 +124,7 @@ def test_fit_finds_the_inputs_that_made_it(inputs, narrower):
 @pytest.mark.parametrize("name", MODELS)
 def test_every_model_has_a_stand_in(name):
     model = MODELS[name]
-    found = principled.fit(model, {})
+    found = principled_fit.fit(model, {})
     for value in (*found.base_color, found.metallic, found.specular, found.anisotropic, found.rotation):
         assert 0.0 <= value <= 1.0
     assert bsdf.SMOOTHEST <= found.roughness <= 1.0 and 1.0 <= found.ior < 100.0
@@ -138,7 +138,7 @@ def test_every_model_has_a_stand_in(name):
                            "retro_exponent": 60.0})])
 def test_errors_are_as_stated_and_least(name, given):
     model = MODELS[name]
-    found = principled.fit(model, given)
+    found = principled_fit.fit(model, given)
 
     def evaluate(view, light):
         return model.evaluate(view, light, **given)
@@ -153,13 +153,13 @@ def test_errors_are_as_stated_and_least(name, given):
 
 def test_stand_in_tracks_the_parameters():
     model = MODELS["pumped_phong"]
-    rough = [principled.fit(model, {"exponent": n}).roughness for n in (5.0, 20.0, 100.0, 2000.0, 50000.0)]
+    rough = [principled_fit.fit(model, {"exponent": n}).roughness for n in (5.0, 20.0, 100.0, 2000.0, 50000.0)]
     assert rough == sorted(rough, reverse=True) and rough[0] > 0.5 and rough[-1] < 0.08
     gold = METALS["gold"]
-    found = principled.fit(model, {"fresnel_type": "conductor", "ior": gold.ior, "extinction": gold.extinction,
+    found = principled_fit.fit(model, {"fresnel_type": "conductor", "ior": gold.ior, "extinction": gold.extinction,
                                    "exponent": 500.0, "pumps": 2.0})
     assert found.metallic == 1.0 and found.base_color == pytest.approx(gold.f0, abs=0.06)
-    body = principled.fit(MODELS["edwards_empirical"], {"diffuse_color": BLUE, "exponent": 300.0})
+    body = principled_fit.fit(MODELS["edwards_empirical"], {"diffuse_color": BLUE, "exponent": 300.0})
     assert body.metallic == 0.0 and body.base_color == pytest.approx(BLUE, abs=0.02)
     assert body.ior == pytest.approx(1.5, abs=0.1)
 
@@ -169,16 +169,16 @@ def test_factors_of_roughness_are_what_fits_find(name):
     model = MODELS[name]
     for exponent in (10.0, 100.0, 3000.0):
         stated = roughness_of_exponent(model.stand_in(model.resolve({"exponent": exponent}))[1])
-        found = principled.fit(model, {"exponent": exponent}).roughness
-        assert principled.ROUGHNESS_FACTORS[name] * stated == pytest.approx(found, rel=0.12)
+        found = principled_fit.fit(model, {"exponent": exponent}).roughness
+        assert principled_fit.ROUGHNESS_FACTORS[name] * stated == pytest.approx(found, rel=0.12)
 
 
 def test_stretched_lobes_are_turned_as_the_models_are():
-    along = principled.fit(MODELS["ward"], {"roughness_u": 0.4, "roughness_v": 0.1})
-    across = principled.fit(MODELS["ward"], {"roughness_u": 0.1, "roughness_v": 0.4})
+    along = principled_fit.fit(MODELS["ward"], {"roughness_u": 0.4, "roughness_v": 0.1})
+    across = principled_fit.fit(MODELS["ward"], {"roughness_u": 0.1, "roughness_v": 0.4})
     assert along.anisotropic == across.anisotropic == pytest.approx(0.75 / 0.9)
     assert (along.rotation, across.rotation) == (0.0, 0.25)
-    turned = principled.fit(MODELS["disk_scaling"], {"radius_u": 0.1, "rotation": 0.1})
+    turned = principled_fit.fit(MODELS["disk_scaling"], {"radius_u": 0.1, "rotation": 0.1})
     assert turned.rotation == pytest.approx(0.35) and turned.anisotropic == 1.0
     # The formula's turn is the model's: the highlights lie on each other, and not on their mirror images.
     given = {"radius_u": 0.1, "rotation": 0.1}
@@ -191,10 +191,10 @@ def test_stretched_lobes_are_turned_as_the_models_are():
 
 
 def test_black_models_have_a_black_stand_in():
-    found = principled.fit(MODELS["pumped_phong"], {"base_color": (0.0, 0.0, 0.0)})
+    found = principled_fit.fit(MODELS["pumped_phong"], {"base_color": (0.0, 0.0, 0.0)})
     assert found.base_color == (0.0, 0.0, 0.0) and found.ior == 1.0 and found.metallic == 0.0
     with pytest.raises(ParameterError) as caught:
-        principled.fit(MODELS["phong"], {"exponent": -1.0})
+        principled_fit.fit(MODELS["phong"], {"exponent": -1.0})
     assert caught.value.parameter == "exponent"
 
 
@@ -216,7 +216,7 @@ def test_command(capsys):
     assert cli.main(["match", "--native", "--from", "phong", "--set", "exponent=80", "--json"]) == 0
     (entry,) = json.loads(capsys.readouterr().out)
     assert entry["model"] == "phong"
-    assert entry["roughness"] == principled.fit(MODELS["phong"], {"exponent": 80.0}).roughness
+    assert entry["roughness"] == principled_fit.fit(MODELS["phong"], {"exponent": 80.0}).roughness
 
 
 @pytest.mark.parametrize("argv", [["--native", "--to", "phong"], ["--native", "--set", "exponent=3"],

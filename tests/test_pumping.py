@@ -3,9 +3,10 @@ import numpy as np
 import pytest
 from truth import quadrature
 
-from addon.brdf import MODELS, pumping
-from addon.brdf.lobes import BLINN, PHONG
-from addon.brdf.pump_stages import albedos as stage_albedos
+from addon.brdf import MODELS
+from addon.models import pumping
+from addon.models.lobes import BLINN, PHONG
+from addon.models.pump_stages import albedos as stage_albedos
 
 N = 20.0
 COSINES = np.cos(np.radians([40.0, 60.0, 80.0, 85.0]))

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from addon import cli
-from addon.baking.rows import error as rows_error
-from addon.baking.rows import grid, layout, row_bake
+from addon.backends.osl import assembler
 from addon.brdf import MODELS
-from addon.brdf.pumped_model import PumpedModel
-from addon.shading import source
+from addon.forms.rows import error as rows_error
+from addon.forms.rows import grid, layout, row_bake
+from addon.models.pumped_model import PumpedModel
 
 BAKED = [model for model in MODELS.values() if model.baked]
 
@@ -121,7 +121,7 @@ def test_sets_are_in_the_order_that_the_shader_counts(zeros):
     assert [each.parameter.id for each in baked.ranges] == ["base_color", "exponent"]
     assert len(baked.nodes) == baked.ranges[0].steps * baked.ranges[1].steps
     assert baked.at([1, 0]) is baked.nodes[baked.ranges[1].steps]
-    text = source.assemble(MODELS["blinn_fresnel"], baked=baked)
+    text = assembler.assemble(MODELS["blinn_fresnel"], baked=baked)
     assert f"#define W_SETS {len(baked.nodes)}\n" in text and "#define RANGE_STEPS 2, 3\n" in text
     places = "range_place(base_color, 0.0, 1.0, 2, 0), range_place(color(exponent), 10.0, 20.0, 3, 1)"
     assert f"#define RANGE_PLACES {places}\n" in text and "#define RANGE_SLOTS 0, -1, -1, -1, -1, -1\n" in text

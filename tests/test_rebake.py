@@ -13,7 +13,7 @@ pytestmark = [pytest.mark.blender, pytest.mark.versions]
 @pytest.fixture
 def slow(no_weights, monkeypatch):
     """Weights that are made when `slow.set()` says so; each bake that begins is noted in `slow.begun`."""
-    from addon.baking.rows import row_bake
+    from addon.forms.rows import row_bake
 
     go, few = threading.Event(), row_bake.bake(None, None)
     go.begun = []

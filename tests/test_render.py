@@ -18,10 +18,10 @@ from optics.plane import plane
 from optics.points import POINT_BOUND, POINT_GRAINY, POINT_NOISE, directions_of, peak_of
 from optics.sun import TOTAL_BOUND, sun_bound, sun_report
 
-from addon import brdf, create_material, verify
-from addon.brdf import exr
-from addon.brdf.geometry import view_at
-from addon.verify import comparison, room, standards
+from addon import brdf, create_material, measure
+from addon.measure import comparison, scene, standards
+from addon.models import exr
+from addon.models.geometry import view_at
 
 pytestmark = pytest.mark.blender
 
@@ -94,7 +94,7 @@ def lights_about(model, parameters, view_deg):
     reach = min(25.0, np.degrees(lobe.reach(parameters["exponent"], 3e-3)))
     inside = view_deg + reach * np.array([-1.0, -0.6, -0.3, 0.0, 0.3, 0.6, 1.0])
     inside = inside[inside < 88.0]
-    return np.concatenate([verify.in_plane(inside), verify.across_lobe(view_deg, reach * np.array([0.3, 0.6, 1.0]))])
+    return np.concatenate([measure.in_plane(inside), measure.across_lobe(view_deg, reach * np.array([0.3, 0.6, 1.0]))])
 
 
 POINT_SHAPES = [(1.5, 2.0, False), (20.0, 1.0, True), (150.0, 2.0, False)]
@@ -111,7 +111,7 @@ def test_point_by_point(model, parameters, view_deg):
     measured, noise = directions_of(material, view_deg, lights, peak, 1024 if grainy else 256)
     reference = rgb(brdf.MODELS[model].evaluate(view, lights, **parameters)) * lights[:, 2:] / peak
     if not grainy:
-        assert_good(verify.compare(measured, reference, noise, POINT_BOUND), POINT_NOISE)
+        assert_good(measure.compare(measured, reference, noise, POINT_BOUND), POINT_NOISE)
         return
     error = np.abs(measured - reference)  # 5 sigma may be more than the bound here: a weaker verdict
     assert noise.max() <= POINT_GRAINY and (error <= POINT_BOUND + SIGMAS * noise).all(), np.array2string(error[:, 0])
@@ -132,7 +132,7 @@ def assert_lit(material, light, reference, resolution, samples, most=24):
     zones = zones_of(reference, resolution)
     expected = np.array([reference[zone].sum(axis=0) for zone in zones])
     ratios = []
-    with room.Room(material, room.BALL, resolution, exact_pixels=True) as place:
+    with scene.MeasuringScene(material, scene.BALL, resolution, exact_pixels=True) as place:
         light(place)
         place.look_from((0.0, 0.0, 1.0), 2.0 * (1.0 + 1.0 / resolution))
         while len(ratios) < most:
@@ -231,7 +231,7 @@ LOWEST_SAMPLE, LARGEST_SAMPLE, NEGATIVE_LIGHT = -0.5, 6.0, 1e-3
 def assert_shows(pixels, value):
     """Independent pixels whose mean is `value` within the furnace's bound."""
     noise = pixels.std(axis=0, ddof=1) / np.sqrt(len(pixels))
-    assert_good(verify.compare(pixels.mean(axis=0), [value], [noise], FURNACE_BOUND), FURNACE_NOISE)
+    assert_good(measure.compare(pixels.mean(axis=0), [value], [noise], FURNACE_BOUND), FURNACE_NOISE)
 
 
 def albedo_at(view_deg, model=DEFAULT[0], parameters=DEFAULT[1]):
@@ -264,16 +264,16 @@ def test_no_lamp_makes_a_sample_negative(model, parameters):
     """A sun of no size shows the closures' sum at one light, sample by sample: at none may holes outweigh the base."""
     material = create_material(model, **parameters)
     for view_deg in (40.0, 80.0):
-        for light in verify.in_plane([view_deg - 40.0, view_deg - 15.0, view_deg, min(view_deg + 15.0, 88.0)]):
+        for light in measure.in_plane([view_deg - 40.0, view_deg - 15.0, view_deg, min(view_deg + 15.0, 88.0)]):
             pixels = plane(material, view_deg, samples=1, resolution=64, sky=0.0, arrange=lambda place, light=light:
-                           place.shine("SUN", light, energy=room.SUN_ENERGY, angle=0.0))
+                           place.shine("SUN", light, energy=scene.SUN_ENERGY, angle=0.0))
             brightest = np.pi * peak_of(model, parameters, view_at(cosines([view_deg])))
             assert pixels.min() >= -1e-3 * brightest, (view_deg, light, pixels.min(), brightest)
 
 
 @pytest.mark.parametrize("model", WRITTEN)
 def test_lit_pictures_are_finite_and_not_negative(model):
-    picture = verify.sphere(create_material(model), [("SUN", (0.6, 0.0, 0.8), {"energy": 3.0, "angle": 0.0}),
+    picture = measure.sphere(create_material(model), [("SUN", (0.6, 0.0, 0.8), {"energy": 3.0, "angle": 0.0}),
                                                      ("AREA", AREA_DIRECTION, AREA)], sky=0.2, samples=4, resolution=64)
     assert np.isfinite(picture.image).all() and picture.image.min() >= 0.0
 
@@ -303,13 +303,13 @@ def test_a_tilted_shading_normal_turns_the_lobe():
     link_normal(material, tilted(20.0))
     # Seen 45 degrees from the plane's normal is 25 from the shading normal, and the lobe stays above the plane.
     assert_shows(plane(material, 45.0, samples=512), albedo_at(25.0, "pumped_phong", parameters))
-    lights = verify.across_lobe(-5.0, [0.0, 4.0, 8.0])
-    f, noise = verify.goniometer(material, 45.0, lights, samples=256)
+    lights = measure.across_lobe(-5.0, [0.0, 4.0, 8.0])
+    f, noise = measure.goniometer(material, 45.0, lights, samples=256)
     turn = np.radians(20.0)
     local = lights @ np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
     expected = brdf.MODELS["pumped_phong"].evaluate(view_at(cosines([25.0])), local, **parameters) * local[:, 2]
     scale = lights[:, 2:] / expected.max()
-    assert_good(verify.compare(f * scale, expected / expected.max(), noise * scale, POINT_BOUND), POINT_NOISE)
+    assert_good(measure.compare(f * scale, expected / expected.max(), noise * scale, POINT_BOUND), POINT_NOISE)
 
 
 def test_a_bumpy_surface_stays_finite_and_bounded():
@@ -333,7 +333,7 @@ def test_flat_and_smooth_shading():
     flat = create_material("pumped_phong", exponent=20.0)
 
     def render(smooth):
-        with room.Room(flat, room.BALL, 96, exact_pixels=True) as place:
+        with scene.MeasuringScene(flat, scene.BALL, 96, exact_pixels=True) as place:
             subject = place.scene.objects["Plausible Subject"]
             if not smooth:  # a mesh of the same faces, without the sphere's normals
                 mesh = bpy.data.meshes.new("Faceted")
@@ -341,15 +341,15 @@ def test_flat_and_smooth_shading():
                 mesh.materials.append(flat)
                 subject.data = mesh
             place.look_from((0.0, 0.0, 1.0), 2.0 * (1.0 + 1.0 / 96))
-            place.shine("SUN", (0.6, 0.0, 0.8), energy=room.SUN_ENERGY, angle=0.0)
+            place.shine("SUN", (0.6, 0.0, 0.8), energy=scene.SUN_ENERGY, angle=0.0)
             return place.render(64)
 
     # Fine enough that the faces' errors average out.
     smooth, faceted = render(True), render(False)
     assert not np.array_equal(smooth, faceted)
     # Faces are 0.012 wide, so their normals are up to 0.007 off; n times that is what the lobe makes of it.
-    assert verify.l1_error(faceted, smooth) < 20.0 * 0.007 / 2.0
-    assert abs(verify.total_ratio(faceted, smooth) - 1.0) < 0.01
+    assert measure.l1_error(faceted, smooth) < 20.0 * 0.007 / 2.0
+    assert abs(measure.total_ratio(faceted, smooth) - 1.0) < 0.01
 
 
 def test_mixed_half_and_half_with_diffuse():
@@ -394,15 +394,15 @@ def test_far_from_the_origin():
     assert far.std() < 1.5 * near.std()
 
     def sunny(place):
-        place.shine("SUN", (-np.sin(np.radians(60.0)), 0.0, 0.5), energy=room.SUN_ENERGY, angle=0.0)
+        place.shine("SUN", (-np.sin(np.radians(60.0)), 0.0, 0.5), energy=scene.SUN_ENERGY, angle=0.0)
 
     dark = {"samples": 512, "sky": 0.0}
     near = plane(material, 60.0, arrange=sunny, **dark)
     far = plane(material, 60.0, arrange=lambda place: (sunny(place), away(place)), **dark)
-    light = verify.in_plane([60.0])
+    light = measure.in_plane([60.0])
     expected = np.pi * 0.5 * brdf.MODELS[DEFAULT[0]].evaluate(view_at([0.5]), light, **DEFAULT[1])
     noise = far.std(axis=0, ddof=1) / np.sqrt(len(far)) / expected
-    assert_good(verify.compare(far.mean(axis=0) / expected, [1.0], [noise], POINT_BOUND), POINT_NOISE)
+    assert_good(measure.compare(far.mean(axis=0) / expected, [1.0], [noise], POINT_BOUND), POINT_NOISE)
     assert far.std() < 1.5 * near.std()
 
 
@@ -539,10 +539,10 @@ def test_without_light_spread(model):
     view = view_at(cosines([60.0]))
     turn = np.radians([0.0, 20.0])  # about the normal, away from the mirror direction
     lights = np.stack([-view[0, 0] * np.cos(turn), view[0, 0] * np.sin(turn), np.full(2, view[0, 2])], axis=-1)
-    f, noise = verify.goniometer(material, 60.0, lights, samples=1 << 15)
+    f, noise = measure.goniometer(material, 60.0, lights, samples=1 << 15)
     f, noise, reference = (x * lights[:, 2:] / peak_of(model, parameters, view)
                            for x in (f, noise, rgb(brdf.MODELS[model].evaluate(view, lights, **parameters))))
-    assert_good(verify.compare(f, reference, noise, 0.2 * POINT_BOUND), POINT_NOISE)
+    assert_good(measure.compare(f, reference, noise, 0.2 * POINT_BOUND), POINT_NOISE)
 
 
 # Planted errors: the checks above must find them.
@@ -561,8 +561,8 @@ def test_missing_splats_are_found(monkeypatch):
     """They carry no energy in the mean, so a single direction has to tell: on the crease at a grazing view."""
     plant(monkeypatch, "SPLATS", "0")
     model, parameters = "pumped_blinn", DEFAULT[1]
-    view, lights = view_at(cosines([80.0])), verify.in_plane([80.0])
-    f, _ = verify.goniometer(create_material(model, **parameters), 80.0, lights, samples=256)
+    view, lights = view_at(cosines([80.0])), measure.in_plane([80.0])
+    f, _ = measure.goniometer(create_material(model, **parameters), 80.0, lights, samples=256)
     off = np.abs(f - rgb(brdf.MODELS[model].evaluate(view, lights, **parameters))) * lights[:, 2:]
     assert (off > (POINT_BOUND + POINT_GRAINY) * peak_of(model, parameters, view)).all()
 
@@ -570,7 +570,7 @@ def test_missing_splats_are_found(monkeypatch):
 def test_what_holes_cannot_take_away_is_taken_from_the_base():
     """At grazing a super-metal's base is above the formula far out on the lobe: by 0.002 and 0.003 here."""
     given, degrees = {"exponent": 20.0, "pumps": 2.0, "control": False}, [80.0, 86.0]
-    measured, noise = verify.furnace(create_material("pumped_blinn", **given), degrees, 2048, 16)
+    measured, noise = measure.furnace(create_material("pumped_blinn", **given), degrees, 2048, 16)
     albedo = brdf.MODELS["pumped_blinn"].albedo(np.cos(np.radians(degrees)), **given)
     assert noise.max() < 2.5e-4
     # Before version 5 Cycles makes the base's leaning facets too bright, by as much again.

@@ -13,9 +13,9 @@ from optics.plane import plane
 from optics.points import POINT_BOUND, POINT_NOISE, directions_of
 from optics.sun import TOTAL_BOUND, TOTAL_NOISE, Sun, ball
 
-from addon import brdf, create_material, verify
-from addon.brdf.geometry import view_at
-from addon.verify import comparison, room
+from addon import brdf, create_material, measure
+from addon.measure import comparison, scene
+from addon.models.geometry import view_at
 
 pytestmark = pytest.mark.blender
 
@@ -59,7 +59,7 @@ def test_furnace(model, given):
     material = create_material(model, **given)
     evaluated = {k: v for k, v in given.items() if k != "samples"}
     measured, noise = albedo_of(material, ANGLES)
-    assert_good(verify.compare(measured, reference_of(model, ANGLES, evaluated), noise, FURNACE_BOUND), FURNACE_NOISE)
+    assert_good(measure.compare(measured, reference_of(model, ANGLES, evaluated), noise, FURNACE_BOUND), FURNACE_NOISE)
     if model == "disk_scaling":
         assert np.abs(measured - 1.0).max() <= FURNACE_BOUND + SIGMAS * noise.max()
 
@@ -115,7 +115,7 @@ def test_retroreflection_under_a_headlight(n):
     def lit(retro):
         material = create_material("edwards_empirical", **{**given, "retro": retro, "exponent": 200.0})
         lamp = {"energy": 1000.0, "size": 0.2, "shape": "DISK", "distance": 20.0}
-        picture = verify.sphere(material, [("AREA", (0.02, 0.0, 1.0), lamp)], samples=16, resolution=32)
+        picture = measure.sphere(material, [("AREA", (0.02, 0.0, 1.0), lamp)], samples=16, resolution=32)
         slanted = np.nan_to_num(picture.normal[..., 2], nan=1.0) < 0.7
         return picture.image[picture.covered & slanted].mean()
 
@@ -140,8 +140,8 @@ def test_area_lamp(model, given):
 def across_plane(view_deg, turns):
     """Lights in the plane of incidence, beside it, and aslant to both sides: there a turn's sign shows."""
     angles = np.clip(view_deg + np.array([-30.0, -12.0, 0.0, 12.0]), -85.0, 80.0)
-    aslant = verify.across_lobe(view_deg - 15.0, (15.0, -15.0))
-    return np.concatenate([verify.in_plane(angles), verify.across_lobe(view_deg, turns), aslant])
+    aslant = measure.across_lobe(view_deg - 15.0, (15.0, -15.0))
+    return np.concatenate([measure.in_plane(angles), measure.across_lobe(view_deg, turns), aslant])
 
 
 POINTS = [
@@ -166,7 +166,7 @@ def test_point_by_point(model, given, view_deg):
     reference = rgb(brdf.MODELS[model].evaluate(view, lights, **given)) * lights[:, 2:] / peak
     # A lump that leaves the disk is blurred towards the horizon.
     bound = 0.05 if model == "disk_orthogonal" and view_deg == 70.0 else POINT_BOUND
-    assert_good(verify.compare(measured, reference, noise, bound), 0.2 * bound)
+    assert_good(measure.compare(measured, reference, noise, bound), 0.2 * bound)
 
 
 def test_a_linked_tangent_turns_the_lump():
@@ -178,21 +178,22 @@ def test_a_linked_tangent_turns_the_lump():
     socket = sockets_of(material)["tangent"]
     material.node_tree.links.new(vector.outputs[0], socket)
     lights, view = across_plane(40.0, (10.0,)), view_at(cosines([40.0]))
-    f, noise = verify.goniometer(material, 40.0, lights, samples=256)
+    f, noise = measure.goniometer(material, 40.0, lights, samples=256)
     turned = rgb(brdf.MODELS["disk_scaling"].evaluate(view, lights, rotation=0.25, **given))
     straight = rgb(brdf.MODELS["disk_scaling"].evaluate(view, lights, **given))
     cosine = lights[:, 2:] / (turned * lights[:, 2:]).max()
-    assert_good(verify.compare(f * cosine, turned * cosine, noise * cosine, POINT_BOUND), POINT_NOISE)
-    assert verify.compare(f * cosine, straight * cosine, noise * cosine, POINT_BOUND).verdict == comparison.FAILED
+    assert_good(measure.compare(f * cosine, turned * cosine, noise * cosine, POINT_BOUND), POINT_NOISE)
+    assert measure.compare(f * cosine, straight * cosine, noise * cosine, POINT_BOUND).verdict == comparison.FAILED
 
 
 def test_unlinked_the_tangent_runs_around_the_object():
     """On a sphere seen along +x, at points of its equator, the lump's u axis is horizontal."""
     given = {"exponent": 20.0, "radius_u": 1.0, "radius_v": 0.15}
     resolution = 32
-    with room.Room(create_material("disk_scaling", **given), room.BALL, resolution, exact_pixels=True) as place:
+    material = create_material("disk_scaling", **given)
+    with scene.MeasuringScene(material, scene.BALL, resolution, exact_pixels=True) as place:
         place.look_from((1.0, 0.0, 0.0), 2.0 * (1.0 + 1.0 / resolution))
-        place.shine("SUN", (1.0, 0.0, 0.0), energy=room.SUN_ENERGY, angle=0.0)
+        place.shine("SUN", (1.0, 0.0, 0.0), energy=scene.SUN_ENERGY, angle=0.0)
         image = place.render(256)
     # Only the picture's axes count: along the tangent, around the z axis, the highlight is long.
     lit = image[..., 0] > 0.05 * image.max()
@@ -206,7 +207,7 @@ def test_unlinked_the_tangent_runs_around_the_object():
 def place_axes_of_z():
     """The picture's axis, 0 rows or 1 columns, that the object's z axis points along for a camera at +x.
 
-    `Room.look_from` turns the camera so that its up is as near +y as can be: z is then sideways.
+    `MeasuringScene.look_from` turns the camera so that its up is as near +y as can be: z is then sideways.
     """
     return 1
 
@@ -214,7 +215,7 @@ def place_axes_of_z():
 # Reference's own check and planted errors.
 
 def test_ball_sees_what_the_formula_sees():
-    lit = verify.local_directions(ball(16), np.array([0.0, 0.0, 1.0]), margin=0.05)
+    lit = measure.local_directions(ball(16), np.array([0.0, 0.0, 1.0]), margin=0.05)
     assert np.allclose(lit.view, lit.light)  # a headlight comes from the viewer
 
 
@@ -232,10 +233,10 @@ def test_a_planted_error_is_found(monkeypatch, error):
     given = {"exponent": 5.0}
     if error == "narrow bells":  # what they leave over is made up for: only the noise tells, and it must not be biased
         measured, noise = albedo_of(create_material("disk_scaling", **given), (45.0,))
-        assert_good(verify.compare(measured, [1.0], noise, FURNACE_BOUND), FURNACE_NOISE)
+        assert_good(measure.compare(measured, [1.0], noise, FURNACE_BOUND), FURNACE_NOISE)
         return
     measured, noise = albedo_of(create_material("disk_scaling", **given), (45.0,))
-    report = verify.compare(measured, [1.0], noise, FURNACE_BOUND)
+    report = measure.compare(measured, [1.0], noise, FURNACE_BOUND)
     l1 = sphere_of("disk_scaling", given, (65.0,)).l1().max()
     assert report.verdict == comparison.FAILED or l1 > 0.015, (report.error, l1)
 
@@ -251,7 +252,7 @@ def test_no_sample_is_negative(model, given, view_deg):
     pixels = plane(create_material(model, **given), view_deg, samples=1, resolution=96)
     assert np.isfinite(pixels).all() and pixels.min() >= 0.0
     sunny = plane(create_material(model, **given), view_deg, samples=1, resolution=64, sky=0.0, arrange=lambda place:
-                  place.shine("SUN", verify.in_plane([view_deg])[0], energy=room.SUN_ENERGY, angle=0.0))
+                  place.shine("SUN", measure.in_plane([view_deg])[0], energy=scene.SUN_ENERGY, angle=0.0))
     assert np.isfinite(sunny).all() and sunny.min() >= 0.0
 
 

@@ -10,11 +10,11 @@ from optics.furnace import SIGMAS
 from optics.images import letter, spot, written
 from optics.plane import is_striped, picture_of
 
-from addon import create_material, verify
-from addon.baking.rows import row_bake
+from addon import create_material, measure
 from addon.blender.material import baked_state, materials, sockets
 from addon.brdf import MODELS
-from addon.brdf.errors import ImageError
+from addon.forms.rows import row_bake
+from addon.models.errors import ImageError
 
 pytestmark = pytest.mark.blender
 
@@ -61,12 +61,12 @@ def held(image, theta, tangent, half, bound):
     """
     material, view = material_of(image, tangent), turned(view_at(theta), tangent)
     p = MODEL.resolve({"image": image})
-    albedo, noise = verify.furnace(material, [theta], samples=256)
+    albedo, noise = measure.furnace(material, [theta], samples=256)
     error = albedo[0, 1] - MODEL.albedo_from(view[0], p)
     assert noise.max() <= 0.2 * FURNACE and abs(error) <= FURNACE + LEANING + SIGMAS * noise[0, 1], error
     half = np.array([(x, y, np.sqrt(1.0 - x * x - y * y)) for x, y in half])
     light = 2.0 * (half @ view[0])[:, None] * half - view
-    found, noise = verify.goniometer(material, theta, turned(light, -tangent), samples=256)
+    found, noise = measure.goniometer(material, theta, turned(light, -tangent), samples=256)
     scale = light[:, 2]
     expected = MODEL.evaluate(view, light, image=image) * scale
     peak = expected.max()

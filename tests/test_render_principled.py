@@ -6,9 +6,9 @@ What is left over is Cycles' own: its tables of albedos have 16 or 32 nodes.
 import numpy as np
 import pytest
 
-from addon import verify
-from addon.brdf.geometry import view_at
-from addon.fitting.principled_bsdf import Inputs, albedo, evaluate
+from addon import measure
+from addon.backends.nodes.principled_bsdf import Inputs, albedo, evaluate
+from addon.models.geometry import view_at
 
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
@@ -65,13 +65,13 @@ def test_formula_is_what_cycles_renders(bpy, name):
     made = material(inputs)
     for view in (10.0, 60.0, 78.0):
         towards = lights(view)
-        measured = verify.goniometer(made, view, towards, samples=1, resolution=4)
+        measured = measure.goniometer(made, view, towards, samples=1, resolution=4)
         expected = evaluate(inputs, np.repeat(view_at(np.cos(np.radians([view]))), len(towards), axis=0), towards)
         allowed = (BODY_BOUND if inputs.metallic < 1.0 else METAL_BOUND) * expected + 1e-3 * expected.max()
         error = np.abs(measured.value - expected)
         assert (error <= allowed + 5.0 * measured.noise).all(), (view, (error / expected).max(axis=1).round(4))
     angles = np.array([0.0, 60.0])
-    measured = verify.furnace(made, angles, samples=256, resolution=16)
+    measured = measure.furnace(made, angles, samples=256, resolution=16)
     assert measured.noise.max() < ALBEDO_NOISE
     if not inputs.anisotropic:
         expected = albedo(inputs, np.cos(np.radians(angles)))

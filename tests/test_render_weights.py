@@ -20,9 +20,9 @@ from optics.points import POINT_BOUND
 from optics.shapes import COPPER
 from optics.sun import TOTAL_BOUND, TOTAL_NOISE, Sun
 
-from addon import brdf, create_material, verify
+from addon import brdf, create_material, measure
 from addon.blender.material import baked_state, groups, materials
-from addon.brdf.geometry import view_at
+from addon.models.geometry import view_at
 
 pytestmark = pytest.mark.blender
 
@@ -115,10 +115,10 @@ def test_tangent_turns_the_lobe(turned, view_deg):
         vector.inputs[1].default_value = 1.0
         socket = sockets_of(material)["tangent"]
         material.node_tree.links.new(vector.outputs[0], socket)
-    lights = np.concatenate([verify.in_plane([view_deg - 20.0, view_deg, view_deg + 15.0]),
-                             verify.across_lobe(view_deg, (5.0, 15.0))])
+    lights = np.concatenate([measure.in_plane([view_deg - 20.0, view_deg, view_deg + 15.0]),
+                             measure.across_lobe(view_deg, (5.0, 15.0))])
     view = view_at(cosines([view_deg]))
-    f, noise = verify.goniometer(material, view_deg, lights, samples=512)
+    f, noise = measure.goniometer(material, view_deg, lights, samples=512)
 
     def expected(along, across):
         return brdf.MODELS["ward"].evaluate(view, lights, roughness_u=along, roughness_v=across) * lights[:, 2]

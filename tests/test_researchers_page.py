@@ -12,7 +12,7 @@ from addon import brdf
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "researchers.md"
 BLOCK = re.compile(r"<!-- tests/test_researchers_page\.py[^\n]*-->\n```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-NAME = "addon.brdf.models.trowbridge_of_the_page"
+NAME = "addon.models.formulas.trowbridge_of_the_page"
 FOUR = "(4.0 * dot(view, h)"  # the factor that a wrong one is put in place of
 
 
@@ -26,7 +26,7 @@ def source():
 def registered(text):
     """The model that the module `text` registers, until the context ends."""
     module = types.ModuleType(NAME)
-    module.__package__ = "addon.brdf.models"
+    module.__package__ = "addon.models.formulas"
     sys.modules[NAME] = module  # dataclasses look for their module
     before = set(brdf.MODELS)
     try:
@@ -96,12 +96,12 @@ def test_the_reference_is_called_as_the_page_says():
 
 @pytest.mark.blender
 def test_the_example_renders(model):
-    from addon import create_material, verify
+    from addon import create_material, measure
 
     given, angles = {"roughness": 0.3}, np.array([0.0, 50.0])
-    with verify.quiet():
+    with measure.quiet():
         material = create_material("trowbridge", **given)
-    measured, noise = verify.furnace(material, angles, 256, 16, 0)
+    measured, noise = measure.furnace(material, angles, 256, 16, 0)
     expected = np.array([albedo(mu, 0.3) for mu in np.cos(np.radians(angles))])
     assert noise.max() < 2e-3
     np.testing.assert_allclose(measured.mean(axis=1), expected, atol=0.01)

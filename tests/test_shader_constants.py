@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from addon import resources
+from addon.backends.osl import assembler, constants, definitions
 from addon.brdf import MODELS
-from addon.shading import constants, definitions, source
 
 FILES = {path.name: path.read_text(encoding="utf-8") for path in sorted(resources.OSL.rglob("*")) if path.is_file()}
-HEADERS = {header for model in MODELS.values() for header in source.chosen_headers(model)}
+HEADERS = {header for model in MODELS.values() for header in assembler.chosen_headers(model)}
 OF_OSL = {"M_PI", "M_2PI", "M_PI_2", "BSDF", "LEAST_", "MOST_", "DEFAULT_"}  # and what a parameter's id is put behind
 # Numbers of formulas, and indices; the last four are those of Beckmann's Lambda.
 PLAIN = {*map(float, range(10)), 11.0, 0.5, 0.396, 1.259, 2.181, 3.535}
@@ -51,10 +51,10 @@ def test_what_is_written_is_what_is_declared():
     """For all models together; the inputs' ends are of the parameters' ids."""
     written = set()
     for model in MODELS.values():
-        for lut in (source.COMPILED, source.FILE):
+        for lut in (assembler.COMPILED, assembler.FILE):
             if not model.baked:
-                written |= set(source._definitions(model, lut))
-        written |= set(source._signature(model))
+                written |= set(assembler._definitions(model, lut))
+        written |= set(assembler._signature(model))
     for macro in written - set(definitions.MODEL):
         assert re.fullmatch("(LEAST|MOST|DEFAULT)_[a-z_0-9]+", macro), macro
     # Those of baked models are seen where they are assembled, below.
@@ -64,10 +64,10 @@ def test_what_is_written_is_what_is_declared():
 
 
 def test_what_is_written_of_a_baked_model_is_what_is_declared():
-    from addon.baking.rows import grid, row_bake
+    from addon.forms.rows import grid, row_bake
 
     model = MODELS["ward"]
-    macros = source._weights(model, {}, grid.ParameterGrid((), (row_bake.blank(model, {}),)))
+    macros = assembler._weights(model, {}, grid.ParameterGrid((), (row_bake.blank(model, {}),)))
     assert set(macros) == {name for name in definitions.MODEL if name.startswith(("W_", "RANGE_"))} | {
         "MODEL_LABEL", "MODEL_MATCHES", "DATA_PARAMETERS"}
 
@@ -76,7 +76,7 @@ def test_what_is_written_of_a_baked_model_is_what_is_declared():
 def test_inputs_that_a_shader_holds_are_declared(model):
     """By kind: a count or choice, a number, a colour."""
     kinds = {"HELD": ("float", "int", "enum"), "NUMBER": ("float",), "COLOR": ("color",)}
-    for kind, name in re.findall(r"\b(HELD|NUMBER|COLOR)\(([a-z]\w+)\)", FILES[source.shader_path(model).name]):
+    for kind, name in re.findall(r"\b(HELD|NUMBER|COLOR)\(([a-z]\w+)\)", FILES[assembler.shader_path(model).name]):
         if name == "pumps" and not any(p.id == "pumps" for p in model.parameters):
             assert "#ifdef PUMPED" in FILES["lobe.osl"]
         else:
@@ -129,8 +129,8 @@ def test_each_shader_has_the_hooks_of_splats(model):
 
 def files_of(model):
     """Names of the files that a model's shader is put together of."""
-    chosen = source.chosen_headers(model)
-    found = [source.shader_path(model).name]
+    chosen = assembler.chosen_headers(model)
+    found = [assembler.shader_path(model).name]
     for name in found:
         for included in re.findall(r"^#include (\S+)", FILES[name], re.MULTILINE):
             header = chosen.get(included, included.strip('"')).rpartition("/")[2]

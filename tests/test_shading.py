@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from addon import resources
-from addon.baking.rows import grid, lobe_rows, row_bake
-from addon.baking.rows.layout import Layout
-from addon.brdf import MODELS, TableError, tables
-from addon.brdf.axes import SineAxis
-from addon.shading import source
+from addon.backends.osl import assembler
+from addon.brdf import MODELS, TableError
+from addon.forms.albedo import tables
+from addon.forms.albedo.axes import SineAxis
+from addon.forms.rows import grid, lobe_rows, row_bake
+from addon.forms.rows.layout import Layout
 
 BAKED = {name: model for name, model in MODELS.items() if model.baked}
 WRITTEN = {name: model for name, model in MODELS.items() if not model.baked}  # those with a shader of their own
@@ -56,7 +57,7 @@ def numbers(kind, text):
 @pytest.mark.parametrize("model", WRITTEN.values(), ids=list(WRITTEN))
 def test_signature_is_the_declaration(model):
     """And what an input is held to is the declared range."""
-    text = source.assemble(model, source.FILE)
+    text = assembler.assemble(model, assembler.FILE)
     assert_declared(model, text)
     for parameter in model.parameters:
         if parameter.kind in ("float", "int", "enum", "color"):
@@ -70,21 +71,21 @@ def test_signature_is_the_declaration(model):
 def test_models_that_differ_in_a_header_are_one_file():
     files = {}
     for model in MODELS.values():
-        files.setdefault(source.shader_path(model).name, set()).add(model.id)
+        files.setdefault(assembler.shader_path(model).name, set()).add(model.id)
     assert files["lobe.osl"] == {"phong", "blinn", "phong_limit", "pumped_phong", "pumped_blinn"}
     assert files["lump.osl"] == {"disk_scaling", "disk_orthogonal"} and files["weights.osl"] == set(BAKED)
-    assert len({source.program_of(model) for model in WRITTEN.values()}) == len(WRITTEN)
+    assert len({assembler.program_of(model) for model in WRITTEN.values()}) == len(WRITTEN)
 
 
 @pytest.mark.parametrize("model", WRITTEN.values(), ids=list(WRITTEN))
-@pytest.mark.parametrize("lut", [source.COMPILED, source.FILE])
+@pytest.mark.parametrize("lut", [assembler.COMPILED, assembler.FILE])
 def test_assembled_source_stands_alone(model, lut):
-    text = source.assemble(model, lut)
+    text = assembler.assemble(model, lut)
     assert "#include" not in text and text.count(SIGNATURE) == 1
     # Every header once, the model's own among them: a header is known by its first line.
-    chosen, folder = source.chosen_headers(model), source.shader_path(model).parent
+    chosen, folder = assembler.chosen_headers(model), assembler.shader_path(model).parent
     own = [chosen.get(name.strip('"'), name.strip('"'))
-           for name in re.findall(r"#include (.+)", source.shader_path(model).read_text(encoding="utf-8"))]
+           for name in re.findall(r"#include (.+)", assembler.shader_path(model).read_text(encoding="utf-8"))]
     headers = sorted((folder / "include").glob("*.h"))
     for name in own:  # grows by what its headers include themselves
         inside = (folder / name).read_text(encoding="utf-8")
@@ -95,17 +96,17 @@ def test_assembled_source_stands_alone(model, lut):
         assert times == 1 if f"include/{header.name}" in own else times <= 1, header.name
     assert 7 < len(own) < len(headers) and set(chosen.values()) <= set(own)
     assert text.count("#define DATA_PARAMETERS") == 1
-    assert ("#define TABLE_FILE\n" in text) == (lut == source.FILE and bool(model.tables))
-    assert source.assemble(model, lut) == text
+    assert ("#define TABLE_FILE\n" in text) == (lut == assembler.FILE and bool(model.tables))
+    assert assembler.assemble(model, lut) == text
 
 
 def test_a_macro_can_be_put_in_place_of_another():
     model = MODELS["phong"]
-    text = source.assemble(model, defines={"SPLATS": "0", "MOST_samples": "3"})
+    text = assembler.assemble(model, defines={"SPLATS": "0", "MOST_samples": "3"})
     assert macro(text, "SPLATS") == "0" and macro(text, "MOST_samples") == "3"
-    assert macro(source.assemble(model), "SPLATS") == "1"
+    assert macro(assembler.assemble(model), "SPLATS") == "1"
     with pytest.raises(ValueError, match="W_VIEWS.*phong.*SPLATS"):
-        source.assemble(model, defines={"W_VIEWS": "3"})
+        assembler.assemble(model, defines={"W_VIEWS": "3"})
 
 
 def array(text, name):
@@ -118,10 +119,10 @@ def array(text, name):
 
 @pytest.mark.parametrize("model", WRITTEN.values(), ids=list(WRITTEN))
 def test_compiled_source_holds_the_tables(model):
-    text = source.assemble(model)
-    assert source.assemble(model, source.COMPILED) == text
+    text = assembler.assemble(model)
+    assert assembler.assemble(model, assembler.COMPILED) == text
     assert ".exr" not in text
-    used = {source.mode_of(tables.TABLES[name]): tables.TABLES[name] for name in model.tables}
+    used = {assembler.mode_of(tables.TABLES[name]): tables.TABLES[name] for name in model.tables}
     for mode in ("plain", "controlled", "volume"):
         if mode not in used:
             assert f"AXES_{mode.upper()} Axes" not in text and f"float table_{mode}[" not in text
@@ -138,22 +139,22 @@ def test_compiled_source_holds_the_tables(model):
 
 @pytest.mark.parametrize("model", WRITTEN.values(), ids=list(WRITTEN))
 def test_file_source_names_the_tables(model):
-    text = source.assemble(model, source.FILE)
+    text = assembler.assemble(model, assembler.FILE)
     for name in model.tables:
         table = tables.TABLES[name]
-        mode = source.mode_of(table)
+        mode = assembler.mode_of(table)
         assert f'string table_{mode} = "{table.path.as_posix()}"' in text
         assert f"float table_{mode}[" not in text.split("#define DATA_PARAMETERS")[1].split("\n")[0]
     if not model.tables:
         assert "string table_" not in text and ".exr" not in text
     numbers = sum(4 * tables.TABLES[name].height * tables.TABLES[name].columns.columns for name in model.tables)
-    assert len(source.assemble(model)) - len(text) >= 4 * numbers  # characters that the file leaves out
+    assert len(assembler.assemble(model)) - len(text) >= 4 * numbers  # characters that the file leaves out
 
 
 @pytest.mark.parametrize("model", ON_BASE_LOBES.values(), ids=list(ON_BASE_LOBES))
 def test_base_lobes_of_the_family_are_put_in(model):
     base = json.loads((resources.LUTS / "base_lobes.json").read_text(encoding="utf-8"))
-    text = source.assemble(model, source.FILE)
+    text = assembler.assemble(model, assembler.FILE)
     own = base["families"][model.lobe.id]
     np.testing.assert_allclose(array(text, "base_widths"), base["features"])
     vectors = re.search(r"\bvector base_table\[(\d+)\] = \{(.*?)\}", text)
@@ -187,7 +188,7 @@ def test_a_hit_has_room_for_its_closures(model):
 def test_bells_are_put_in(model):
     stored = json.loads((resources.LUTS / "bells.json").read_text(encoding="utf-8"))
     few, steep = stored["table"], stored["steep"]
-    text = source.assemble(model, source.FILE)
+    text = assembler.assemble(model, assembler.FILE)
     np.testing.assert_allclose(array(text, "bells"), [*np.ravel(few), *np.ravel(steep)], rtol=1e-5)
     assert f"#define BELLS_PER_UNIT {len(few) - 1} " in text and np.shape(few)[1] == 8
     assert f"#define STEEP_FROM {len(few) - len(steep)} " in text and np.shape(steep)[1] == 20
@@ -208,7 +209,7 @@ def test_baked_models_are_written_from_their_declaration(model, monkeypatch):
     few.residual.energies[:] = [[[[0.25]]], [[[0.75]]]]
     few = replace(few, spike=np.array([[7.0, 8.0, 9.0]]))
     monkeypatch.setattr(row_bake, "bake", lambda of, given: few)
-    text = source.assemble(model)
+    text = assembler.assemble(model)
     assert "#include" not in text
     assert_declared(model, text)
     conditions = re.search(r"#define MODEL_MATCHES (.*)\n", text)[1]
@@ -216,31 +217,31 @@ def test_baked_models_are_written_from_their_declaration(model, monkeypatch):
     assert asked == {p.id for p in model.parameters if p.evaluated}
     written = array(text, "weights")
     np.testing.assert_array_equal(written[:2], few.layout.stretch)
-    np.testing.assert_allclose(written[2:], [few.brightness, *source._flat(few, 1)[3:-3], 7, 8, 9], rtol=1e-5)
+    np.testing.assert_allclose(written[2:], [few.brightness, *assembler._flat(few, 1)[3:-3], 7, 8, 9], rtol=1e-5)
     assert "#define W_CHANNELS 1\n" in text
 
 
 def test_unknown_lut():
     for lut in ("texture", "", None):
         with pytest.raises(ValueError, match="compiled, file") as caught:
-            source.assemble(MODELS["phong"], lut)
+            assembler.assemble(MODELS["phong"], lut)
         assert repr(lut) in str(caught.value)
 
 
 def test_a_table_that_cannot_be_used(table_folder):
     with pytest.raises(TableError) as caught:
-        source.assemble(MODELS["pumped_blinn"])
+        assembler.assemble(MODELS["pumped_blinn"])
     assert caught.value.code == "missing" and caught.value.path.parent == table_folder
     # File materials find out when they render, and the unpumped models need no table.
-    assert str(table_folder) in source.assemble(MODELS["pumped_blinn"], source.FILE)
-    assert source.assemble(MODELS["blinn"])
+    assert str(table_folder) in assembler.assemble(MODELS["pumped_blinn"], assembler.FILE)
+    assert assembler.assemble(MODELS["blinn"])
 
 
 def test_weights_hold_for_their_values_to_single_precision():
     """What is off by 1e-4 is told; what rounding makes of a value is not."""
     model = MODELS["ward"]
     blank = grid.ParameterGrid((), (row_bake.blank(model, {}),))
-    text = source.assemble(model, baked=blank, parameters={"roughness_u": 0.37})
+    text = assembler.assemble(model, baked=blank, parameters={"roughness_u": 0.37})
     (condition,) = re.findall(r"^#define MODEL_MATCHES (.*)$", text, re.MULTILINE)
     value, slack = map(float, re.search(r"abs\(roughness_u - (\S+)\) <= (\S+)", condition).groups())
     assert value == pytest.approx(0.37, rel=1e-6) and 2.0**-24 * value < slack < 1e-4 * value

@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 
 from addon import cli
-from addon.baking import bake, sizes
-from addon.brdf import MODELS, axes, exr, lobes, pump_stages, tables
-from addon.brdf.errors import ParameterError
-from addon.brdf.tables import TABLES, TableError
-from addon.brdf.tabulated import TABULATED
-from addon.shading import source
+from addon.backends.osl import assembler
+from addon.brdf import MODELS
+from addon.forms.albedo import axes, bake, sizes, tables
+from addon.forms.albedo.tables import TABLES, TableError
+from addon.forms.albedo.tabulated import TABULATED
+from addon.models import exr, lobes, pump_stages
+from addon.models.errors import ParameterError
 
 ROOT = Path(__file__).resolve().parents[1]
 SMALL = tables.Table("phong", False, axes.ColumnAxis(24, 5.0, 0.0), axes.RowAxis(6, 0.1, 0.5))
@@ -128,7 +129,7 @@ def test_a_file_tells_its_axes_and_all_follow(small, monkeypatch):
     mu = table.columns.cosines(500.0)
     truth = pump_stages.albedos(lobes.PHONG, 500.0, mu, False)
     np.testing.assert_allclose(tables.albedos("phong", False, mu, 500.0), truth, rtol=2e-5)
-    text = source.assemble(dataclasses.replace(MODELS["pumped_phong"], tables=(SMALL.name,)))
+    text = assembler.assemble(dataclasses.replace(MODELS["pumped_phong"], tables=(SMALL.name,)))
     assert f"Axes(12, 5.0, 0.0, 3, 0.1, 0.5, {table.stamp!r}, 0, 3, 2.0, 500.0)" in text
     with pytest.raises(TableError) as caught:
         tables.load(SMALL)
@@ -192,7 +193,7 @@ def test_a_volume_table_is_for_what_it_says(table_folder):
     table = sizes.sized(TABLES["disk_volume"], sizes.Size("draft", 1.0, 4.0))
     nodes = np.stack([bake.bake_row((table, row)) for row in range(table.height)])
     exr.write(table.path, tables.marked(table, nodes), {tables.AXES: json.dumps(table.told_axes())})
-    from addon.brdf import disk
+    from addon.models import disk
 
     mu, one = np.array([0.3, 0.5]), np.ones(2)
     view = np.stack([np.sqrt(1.0 - mu * mu), np.zeros(2)], axis=-1)
@@ -256,7 +257,7 @@ sys.exit(cli.main(["bake", "disk_volume", "--resolution", "draft", "--workers", 
 """
 KILLED = """
 import os, signal, sys
-from addon.baking import bake
+from addon.forms.albedo import bake
 from addon import cli
 from pathlib import Path
 Path.replace = lambda self, target: os.kill(os.getpid(), signal.SIGKILL)

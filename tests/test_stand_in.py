@@ -2,10 +2,10 @@
 import numpy as np
 import pytest
 
-from addon import create_material, verify
+from addon import create_material, measure
+from addon.backends.nodes import principled_bsdf
 from addon.brdf import MODELS
-from addon.fitting import principled_bsdf
-from addon.verify import room
+from addon.measure import scene
 
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
@@ -26,7 +26,7 @@ def stand_in_alone(material):
 def rendered(material, view=VIEW):
     """Albedo (3,) of the stand-in in Cycles, without OSL, and its standard error (3,)."""
     stand_in_alone(material)
-    with room.Room(material, room.PLANE, 8) as place:
+    with scene.MeasuringScene(material, scene.PLANE, 8) as place:
         place.scene.cycles.shading_system = False
         place.sky(1.0)
         place.look_from((np.sin(np.radians(view)), 0.0, np.cos(np.radians(view))))
@@ -43,8 +43,8 @@ def rendered(material, view=VIEW):
     ("ward", {"diffuse_color": (0.1, 0.2, 0.3)}),
 ])
 def test_it_is_what_is_said_of_it(model_id, given):
+    from addon.backends.nodes import fallback
     from addon.blender.material import groups, sockets
-    from addon.fitting import fallback
 
     material = create_material(model_id, **given)
     node = groups.find_node(material)
@@ -57,8 +57,8 @@ def test_it_is_what_is_said_of_it(model_id, given):
 
 
 def test_a_body_goes_dark_towards_grazing_as_schlick_says():
+    from addon.backends.nodes import fallback
     from addon.blender.material import groups, sockets
-    from addon.fitting import fallback
 
     material = create_material("edwards_empirical", base_color=0.04, diffuse_color=(0.8, 0.4, 0.2), exponent=50.0)
     mu = np.cos(np.radians([75.0]))
@@ -72,28 +72,28 @@ def test_a_body_goes_dark_towards_grazing_as_schlick_says():
 @pytest.mark.parametrize("model_id, given", [("pumped_phong", {"exponent": 30.0}), ("disk_scaling", {"radius_u": 0.4})])
 def test_its_lobe_is_as_high_as_is_said(model_id, given):
     """The peak goes with the fourth power of the roughness; an albedo hardly knows it."""
+    from addon.backends.nodes import fallback
     from addon.blender.material.sockets import values
-    from addon.fitting import fallback
 
     material = create_material(model_id, **given)
-    node, light = stand_in_alone(material), verify.in_plane([VIEW])
+    node, light = stand_in_alone(material), measure.in_plane([VIEW])
     view = light * [-1.0, 1.0, 1.0]
     ((_, inputs),) = fallback.parts(MODELS[model_id], values(node))
     expected = principled_bsdf.evaluate(inputs, view, light)[0]
-    found, noise = verify.goniometer(material, VIEW, light, samples=64)
+    found, noise = measure.goniometer(material, VIEW, light, samples=64)
     np.testing.assert_allclose(found[0], expected, rtol=0.03, atol=5.0 * noise.max())
 
 
 def test_errors_are_of_these_nodes():
     """About as good as the fit, whose colours make the albedo right first; a wrong roughness shows."""
-    from addon.fitting import fallback, principled
+    from addon.backends.nodes import fallback, principled_fit
 
     for model_id in ("pumped_phong", "disk_orthogonal", "edwards_fit"):
         model = MODELS[model_id]
         values = {p.id: p.default for p in model.parameters if p.evaluated}
-        best = principled.fit(model, values)
+        best = principled_fit.fit(model, values)
         lobe, albedo = fallback.error(model, values)
         assert 0.9 < (lobe + albedo) / (best.lobe_error + best.albedo_error) < 1.1
         (share, inputs), *others = fallback.parts(model, values)
         wide = type(inputs)(inputs.base_color, inputs.metallic, 1.3 * inputs.roughness)
-        assert sum(principled.errors(model, values, [(share, wide), *others])) > 1.1 * (lobe + albedo)
+        assert sum(principled_fit.errors(model, values, [(share, wide), *others])) > 1.1 * (lobe + albedo)

@@ -3,7 +3,7 @@ import os
 
 import pytest
 
-from addon.baking.store import Store
+from addon.blender.host.store import Store
 
 ONE, TWO, THREE = "1" * 64, "2" * 64, "3" * 64
 

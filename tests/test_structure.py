@@ -8,15 +8,15 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 ADDON = ROOT / "addon"
-# A room may import rooms of lower rank, and itself. Blender's part and the verifying one work side by side; a figure
-# may show what a demo renders.
-RANK = {"version": 0, "brdf": 0, "assets": 0, "baking": 1, "fitting": 1, "plots": 1, "compare": 2, "shading": 2,
-        "blender": 3, "pages": 3, "verify": 4, "packaging": 4, "demo": 4, "bench": 5, "figures": 5, "cli": 5,
-        "commands": 6}
+# A room may import rooms of lower rank, and itself. Those of one rank do not know each other.
+RANK = {"resources": 0, "version": 1, "assets": 1, "models": 2, "library": 3, "forms": 4, "brdf": 5, "fitting": 5,
+        "backends": 6, "plots": 6, "blender": 7, "measure": 8, "statistics": 9, "portability": 9, "cli": 10,
+        "commands": 11, "dev": 12, "dev.compare": 12, "dev.pages": 13, "dev.demo": 14, "dev.bench": 14,
+        "dev.packaging": 14, "dev.figures": 15, "dev.commands": 16}
+BLENDER_RANK = {"host": 0, "backend": 1, "material": 2, "ui": 3}  # of the rooms within Blender's part
 # `addon/__init__.py` forwards to the Blender part, when it is asked for what only that has.
 FACE = "addon"
-BPY_FREE = ["version", "brdf", "assets", "shading", "baking", "fitting", "plots", "compare", "verify", "packaging",
-            "pages", "bench", "figures", "cli", "commands"]
+NEEDS_BPY = {"blender", "dev.demo"}
 
 
 def modules():
@@ -54,14 +54,17 @@ def imports(name, only_at_load=False):
 
 
 def room(name):
-    return name.split(".")[1] if "." in name else FACE
+    parts = name.split(".")[1:]
+    if parts[:1] == ["dev"]:
+        return ".".join(parts[:2])
+    return parts[0] if parts else FACE
 
 
 def test_the_parser_sees_imports():
     """The tests below would pass on an empty list."""
-    assert "addon.brdf.tables" in set(imports("addon.brdf.tabulated"))
-    assert "addon.baking.base_lobes.fit" in set(imports("addon.commands.bake"))
-    assert "addon.baking.base_lobes.fit" not in set(imports("addon.commands.bake", only_at_load=True))
+    assert "addon.forms.albedo.tables" in set(imports("addon.forms.albedo.tabulated"))
+    assert "addon.forms.base_lobes.fit" in set(imports("addon.commands.bake"))
+    assert "addon.forms.base_lobes.fit" not in set(imports("addon.commands.bake", only_at_load=True))
     assert {room(name) for name in MODULES} - {FACE} == set(RANK)
 
 
@@ -74,12 +77,23 @@ def test_rooms_know_only_lower_rooms():
             if RANK[room(other)] >= RANK[room(name)]:
                 wrong.append(f"{name} imports {other}")
     assert wrong == []
-    # brdf knows nothing but NumPy and the standard library, and OpenImageIO where a file needs it.
+    # Models know nothing but NumPy and the standard library, and OpenImageIO where a file needs it.
     for only_at_load, allowed in ((True, {"addon", "numpy"}), (False, {"addon", "numpy", "OpenImageIO"})):
-        outside = {(name, other.split(".")[0]) for name in MODULES if room(name) == "brdf"
+        outside = {(name, other.split(".")[0]) for name in MODULES if room(name) == "models"
                    for other in imports(name, only_at_load)}
         assert {top for _, top in outside} - allowed <= set(sys.stdlib_module_names)
-    assert [name for name, top in outside if top == "OpenImageIO"] == ["addon.brdf.images"]
+    assert [name for name, top in outside if top == "OpenImageIO"] == ["addon.models.images"]
+
+
+def test_rooms_of_blenders_part_know_only_lower_ones():
+    def within(name):
+        return name.split(".")[2]
+
+    ours = [name for name in MODULES if name.startswith("addon.blender.")]
+    assert {within(name) for name in ours} == set(BLENDER_RANK)
+    wrong = [f"{name} imports {other}" for name in ours for other in imports(name)
+             if other in ours and BLENDER_RANK[within(other)] > BLENDER_RANK[within(name)]]
+    assert wrong == []
 
 
 def test_only_lazy_forwarding_at_the_face():
@@ -132,15 +146,15 @@ def run_blocked(block, names, after=""):
 
 
 def test_all_but_blenders_part_imports_without_bpy():
-    names = [FACE, *(name for name in MODULES if room(name) in BPY_FREE)]
+    names = [FACE, *(name for name in MODULES if room(name) not in NEEDS_BPY)]
     result = run_blocked(("bpy", "mathutils", "bl_ext"), names)
     assert result.returncode == 0, result.stderr
     assert run_blocked(("numpy",), ["addon.brdf"]).returncode == 1  # the block blocks
 
 
-@pytest.mark.parametrize("name", ["addon.brdf", "addon.shading.source", "addon.baking.bake", "addon.fitting.match",
-                                  "addon.plots.picture",
-                                  "addon.cli", "addon.commands.bake", "addon.commands.list"])
+@pytest.mark.parametrize("name", ["addon.brdf", "addon.backends.osl.assembler", "addon.forms.albedo.bake",
+                                  "addon.fitting.match", "addon.plots.picture", "addon.cli", "addon.commands.bake",
+                                  "addon.commands.list"])
 def test_each_room_can_be_imported_first(name):
     """With NumPy alone, as in a Blender that bundles nothing else; and listing models works there."""
     after = "from addon import cli; assert cli.main(['list', 'phong', '--json']) == 0"
@@ -181,5 +195,5 @@ def test_truth_shares_no_code_with_the_product():
     """
     found = {(path, name) for path, name in imported_by_tests() if path.startswith("truth/")}
     assert {name for _, name in found if name.split(".")[0] in ("addon", "bpy", *SHARED)} <= {
-        "addon.brdf", "addon.baking", "truth.quadrature"}
+        "addon.models", "addon.forms.albedo", "truth.quadrature"}
     assert {path for path, name in found if name.startswith("addon")} == {"truth/literature.py", "truth/rows.py"}

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from truth.quadrature import view_at
 
-from addon.brdf import MODELS, fresnel
-from addon.brdf.pumped_model import PumpedModel
+from addon.brdf import MODELS
+from addon.models import fresnel
+from addon.models.pumped_model import PumpedModel
 
 pytestmark = pytest.mark.proof
 

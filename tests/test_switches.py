@@ -4,8 +4,9 @@ import pytest
 from blender_help.recorder import context_for, drawn, operators, texts
 
 from addon import create_material
-from addon.brdf import MODELS, tables
-from addon.verify import room
+from addon.brdf import MODELS
+from addon.forms.albedo import tables
+from addon.measure import scene
 
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
@@ -51,7 +52,7 @@ def buttons(bpy, material):
 
 
 def picture(material, osl):
-    with room.Room(material, room.PLANE, 8) as place:
+    with scene.MeasuringScene(material, scene.PLANE, 8) as place:
         place.scene.cycles.shading_system = osl
         place.sky(1.0)
         place.look_from((0.5, 0.0, 0.75**0.5))

@@ -5,10 +5,11 @@ import numpy as np
 import pytest
 
 from addon import brdf
-from addon.brdf import axes, exr, tables
-from addon.brdf.axes import ColumnAxis, RowAxis
-from addon.brdf.tables import TABLES, Table, TableError
-from addon.brdf.tabulated import TABULATED
+from addon.forms.albedo import axes, tables
+from addon.forms.albedo.axes import ColumnAxis, RowAxis
+from addon.forms.albedo.tables import TABLES, Table, TableError
+from addon.forms.albedo.tabulated import TABULATED
+from addon.models import exr
 
 NAMES = list(TABLES)
 SMALL = Table("phong", False, ColumnAxis(9, 5.0, 0.0), RowAxis(4, 0.1, 0.5))

@@ -4,9 +4,9 @@ import json
 import numpy as np
 import pytest
 
-from addon import cli, verify
-from addon.brdf.errors import ArgumentError, BrdfError
-from addon.verify import comparison, instruments, room, standards, subject
+from addon import cli, measure
+from addon.measure import comparison, instruments, scene, specimen, standards
+from addon.models.errors import ArgumentError, BrdfError
 
 pytestmark = pytest.mark.blender
 
@@ -46,9 +46,9 @@ def albedo(evaluate, angle_deg, polar=600, azimuthal=600):
 @pytest.mark.parametrize("name", STANDARDS)
 def test_furnace(name, factor):
     standard, angles = STANDARDS[name]
-    measured, noise = verify.furnace(standard.material(factor), angles, samples=1024)
+    measured, noise = measure.furnace(standard.material(factor), angles, samples=1024)
     reference = np.array([albedo(standard.evaluate, angle) for angle in angles])
-    report = verify.compare(measured, reference, noise, SYSTEMATIC)
+    report = measure.compare(measured, reference, noise, SYSTEMATIC)
     if factor == 1.0:
         assert report.verdicts() == [comparison.OK] * len(angles), report.error
     else:
@@ -60,9 +60,9 @@ def test_furnace(name, factor):
 @pytest.mark.parametrize("view", [0.0, 40.0, 80.0])
 def test_goniometer(name, view, factor):
     standard, _ = STANDARDS[name]
-    measured, noise = verify.goniometer(standard.material(factor), view, LIGHTS, samples=1)
+    measured, noise = measure.goniometer(standard.material(factor), view, LIGHTS, samples=1)
     reference = standard.evaluate(view_at(view), LIGHTS)
-    words = np.array(verify.compare(measured, reference, noise, SYSTEMATIC * reference.max()).verdicts())
+    words = np.array(measure.compare(measured, reference, noise, SYSTEMATIC * reference.max()).verdicts())
     if factor == 1.0:
         assert (words == comparison.OK).all(), measured[:, 0] - reference
     else:  # a per cent of a faint flank is within the allowance
@@ -73,18 +73,18 @@ def test_goniometer(name, view, factor):
 @pytest.mark.parametrize("sun", [0.0, 40.0, 65.0, 80.0])
 def test_sphere_under_a_sun(name, sun):
     standard, _ = STANDARDS[name]
-    image, lit = verify.sphere_sun(standard.material(), sun, samples=1, resolution=96)
-    reference = verify.sphere_reference(standard.evaluate, lit)
+    image, lit = measure.sphere_sun(standard.material(), sun, samples=1, resolution=96)
+    reference = measure.sphere_reference(standard.evaluate, lit)
     # Faces deviate from the round by 4e-5 radii, which a lobe of exponent n tells about sqrt(n) times more sharply.
-    assert verify.l1_error(image, reference, lit.covered) < 3e-3
-    assert abs(verify.total_ratio(image, reference, lit.covered) - 1.0) < 2e-3
-    assert verify.l1_error(np.flip(image, axis=0), np.flip(reference, axis=0), np.flip(lit.covered, axis=0)) < 3e-3
+    assert measure.l1_error(image, reference, lit.covered) < 3e-3
+    assert abs(measure.total_ratio(image, reference, lit.covered) - 1.0) < 2e-3
+    assert measure.l1_error(np.flip(image, axis=0), np.flip(reference, axis=0), np.flip(lit.covered, axis=0)) < 3e-3
     if sun > 0.0:  # the sun stands where it was put, not on the other side
-        assert verify.l1_error(image[:, ::-1], reference, lit.covered) > 0.1
+        assert measure.l1_error(image[:, ::-1], reference, lit.covered) > 0.1
 
 
 def test_sphere_under_a_sky_shows_the_albedo():
-    picture = verify.sphere(standards.phong(20.0).material(), sky=1.0, samples=64, resolution=32)
+    picture = measure.sphere(standards.phong(20.0).material(), sky=1.0, samples=64, resolution=32)
     shown, angle = picture.image[16, 24, 0], np.degrees(np.arccos(picture.normal[16, 24, 2]))
     assert shown == pytest.approx(albedo(standards.phong(20.0).evaluate, angle), abs=0.05)
     assert np.isnan(picture.normal[0, 0]).all() and not picture.covered[0, 0]
@@ -93,7 +93,7 @@ def test_sphere_under_a_sky_shows_the_albedo():
 
 def test_sphere_under_an_area_lamp():
     lamp = ("AREA", (0.0, 0.6, 0.8), {"energy": 100.0, "size": 0.5, "distance": 6.0})
-    picture = verify.sphere(standards.diffuse().material(), [lamp], samples=16, resolution=32)
+    picture = measure.sphere(standards.diffuse().material(), [lamp], samples=16, resolution=32)
     row, column = np.unravel_index(np.argmax(picture.image[..., 0]), (32, 32))
     assert picture.normal[row, column] @ np.array([0.0, 0.6, 0.8]) > 0.99
 
@@ -101,7 +101,7 @@ def test_sphere_under_an_area_lamp():
 def test_standard_error_is_honest():
     """The scatter of repeated measurements is what the pixels' scatter says."""
     material = standards.phong(20.0).material()
-    with room.Room(material, room.PLANE, 16) as place:
+    with scene.MeasuringScene(material, scene.PLANE, 16) as place:
         place.sky(1.0)
         place.look_from(view_at(60.0)[0])
         pictures = [place.render(16, seed)[..., 0] for seed in range(24)]
@@ -117,9 +117,9 @@ def test_mean_and_standard_error_of_known_pixels():
 
 
 def test_the_mirrors_side_is_where_the_view_is_not():
-    view, mirror = view_at(40.0)[0], verify.in_plane([40.0])[0]
+    view, mirror = view_at(40.0)[0], measure.in_plane([40.0])[0]
     np.testing.assert_allclose(mirror, view * [-1.0, -1.0, 1.0], atol=1e-12)
-    beside = verify.across_lobe(40.0, [10.0])[0]
+    beside = measure.across_lobe(40.0, [10.0])[0]
     assert beside @ mirror == pytest.approx(np.cos(np.radians(10.0))) and beside[1] > 0.0
 
 
@@ -129,19 +129,19 @@ def test_measuring_twice_gives_the_same_and_leaves_nothing_behind():
     material = standards.diffuse().material()
     kinds = ("scenes", "objects", "meshes", "cameras", "lights", "worlds", "images")
     before = {kind: len(getattr(bpy.data, kind)) for kind in kinds}
-    first, second = (verify.goniometer(material, 30.0, LIGHTS, samples=1).value for _ in range(2))
+    first, second = (measure.goniometer(material, 30.0, LIGHTS, samples=1).value for _ in range(2))
     assert np.array_equal(first, second)
     assert {kind: len(getattr(bpy.data, kind)) for kind in kinds} == before
 
 
 @pytest.mark.parametrize("argument, call", [
-    ("angles_deg", lambda m: verify.furnace(m, [90.0])), ("angles_deg", lambda m: verify.furnace(m, [np.nan])),
-    ("angles_deg", lambda m: verify.furnace(m, [])), ("samples", lambda m: verify.furnace(m, [0.0], samples=0)),
-    ("resolution", lambda m: verify.furnace(m, [0.0], resolution=2.5)),
-    ("view_deg", lambda m: verify.goniometer(m, [0.0, 1.0], LIGHTS)),
-    ("lights", lambda m: verify.goniometer(m, 0.0, [(0.0, 0.0, -1.0)])),
-    ("lights", lambda m: verify.goniometer(m, 0.0, [(0.0, 0.0, 2.0)])),
-    ("view_deg", lambda m: verify.goniometer(m, -5.0, LIGHTS)),
+    ("angles_deg", lambda m: measure.furnace(m, [90.0])), ("angles_deg", lambda m: measure.furnace(m, [np.nan])),
+    ("angles_deg", lambda m: measure.furnace(m, [])), ("samples", lambda m: measure.furnace(m, [0.0], samples=0)),
+    ("resolution", lambda m: measure.furnace(m, [0.0], resolution=2.5)),
+    ("view_deg", lambda m: measure.goniometer(m, [0.0, 1.0], LIGHTS)),
+    ("lights", lambda m: measure.goniometer(m, 0.0, [(0.0, 0.0, -1.0)])),
+    ("lights", lambda m: measure.goniometer(m, 0.0, [(0.0, 0.0, 2.0)])),
+    ("view_deg", lambda m: measure.goniometer(m, -5.0, LIGHTS)),
 ])
 def test_wrong_arguments_are_refused(argument, call):
     with pytest.raises(ArgumentError) as caught:
@@ -150,15 +150,15 @@ def test_wrong_arguments_are_refused(argument, call):
 
 
 def test_verdicts():
-    report = verify.compare([[1.0] * 3, [1.1] * 3, [0.9] * 3, [np.nan] * 3, [1.0] * 3], np.ones(5),
+    report = measure.compare([[1.0] * 3, [1.1] * 3, [0.9] * 3, [np.nan] * 3, [1.0] * 3], np.ones(5),
                             [[0.0] * 3, [1e-3] * 3, [1e-3] * 3, [0.0] * 3, [0.1] * 3], 1e-2)
     assert report.verdicts() == [comparison.OK, *[comparison.FAILED] * 3, comparison.NOISY]
     assert report.verdict == comparison.FAILED
     with pytest.raises(ArgumentError) as caught:
-        verify.compare(np.ones((1, 3)), [1.0], np.zeros((1, 3)), 0.0)
+        measure.compare(np.ones((1, 3)), [1.0], np.zeros((1, 3)), 0.0)
     assert caught.value.argument == "tolerance"
     with pytest.raises(BrdfError) as caught:
-        verify.compare(np.ones((2, 3)), [1.0], np.zeros((1, 3)), 1.0)
+        measure.compare(np.ones((2, 3)), [1.0], np.zeros((1, 3)), 1.0)
     assert caught.value.code == "shape"
 
 
@@ -181,8 +181,8 @@ def test_goniometer_command_prints_json_and_plots(tmp_path, capfd):
 
 
 def test_a_wrong_material_makes_the_commands_fail(monkeypatch, capfd):
-    wrong = subject.of_model("phong")
-    monkeypatch.setattr(subject, "of_model", lambda *_: subject.Subject(
+    wrong = specimen.of_model("phong")
+    monkeypatch.setattr(specimen, "of_model", lambda *_: specimen.Specimen(
         wrong.title, standards.phong(20.0).material(0.9), wrong.model, wrong.parameters))
     assert cli.main(["furnace", "phong", "--angles", "40", "--samples", "64"]) == 1
     assert cli.main(["goniometer", "phong", "--view", "40", "--angles", "40"]) == 1
@@ -192,10 +192,10 @@ def test_a_wrong_material_makes_the_commands_fail(monkeypatch, capfd):
 def test_material_of_a_file(tmp_path, capfd):
     import bpy
 
-    made = subject.of_model("phong", ["exponent=33"]).material
+    made = specimen.of_model("phong", ["exponent=33"]).material
     made.name = "Ours"
     standards.diffuse().material().name = "Chalk"
-    with verify.quiet():
+    with measure.quiet():
         bpy.data.libraries.write(str(tmp_path / "shelf.blend"), {made, bpy.data.materials["Chalk"]}, fake_user=True)
     call = ["furnace", "--blend", str(tmp_path / "shelf.blend"), "--angles", "30", "--samples", "256", "--json"]
     assert cli.main([*call, "--material", "Ours"]) == 0
@@ -228,7 +228,7 @@ def test_what_a_user_gets_wrong_is_one_line(command, arguments, word, capfd):
 def test_settings_read_every_kind_of_value():
     from addon import brdf
 
-    values = subject.settings(brdf.MODELS["pumped_phong"], [
+    values = specimen.settings(brdf.MODELS["pumped_phong"], [
         "control=false", "base_color=0.9,0.6,0.2", "fresnel_type=schlick", "pumps=2", "use_roughness=True"])
     assert values == {"control": False, "base_color": (0.9, 0.6, 0.2), "fresnel_type": 1, "pumps": 2.0,
                       "use_roughness": True}
@@ -243,6 +243,6 @@ def test_missing_osl_is_told(monkeypatch, capfd):
 
 
 def test_missing_bpy_is_told(monkeypatch, capfd):
-    monkeypatch.setattr(room.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(scene.importlib.util, "find_spec", lambda name: None)
     assert cli.main(["goniometer", "phong"]) == 2
     assert "pip install bpy" in capfd.readouterr().err

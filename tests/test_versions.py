@@ -8,8 +8,8 @@ import conftest
 import pytest
 import versions
 
+from addon.backends.osl import assembler
 from addon.brdf import MODELS
-from addon.shading import source
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -63,7 +63,7 @@ def shaders_of(*tests):
         marks = {mark.name: mark for mark in test.pytestmark}
         assert "versions_by_shader" in marks
         assert marks["parametrize"].args[0].split(",")[0] == "model"
-        found |= {source.program_of(MODELS[case[0]]) for case in marks["parametrize"].args[1]}
+        found |= {assembler.program_of(MODELS[case[0]]) for case in marks["parametrize"].args[1]}
     return found
 
 
@@ -72,7 +72,7 @@ def test_every_shader_is_rendered_in_each_version(request):
     """In a furnace, under a sun, and under a lamp."""
     files = [pytest.Module.from_parent(request.session, path=ROOT / "tests" / f"{name}.py").obj
              for name in ("test_render", "test_render_disk", "test_render_weights")]
-    shaders = {source.program_of(model) for model in MODELS.values()}
+    shaders = {assembler.program_of(model) for model in MODELS.values()}
     assert {name for name, *_ in shaders} == {path.name for path in (ROOT / "osl").glob("*.osl")}
     assert shaders_of(*(file.test_furnace for file in files)) == shaders
     assert shaders_of(*(file.test_sphere_under_a_sun for file in files)) == shaders

@@ -8,9 +8,9 @@ from optics.shapes import COPPER
 from truth.hemisphere import even_lights, half_vector_lights
 from truth.rows import Row
 
-from addon.baking.rows import layout, lobe_rows, row_bake
+from addon.backends.osl import assembler
 from addon.brdf import MODELS
-from addon.shading import source
+from addon.forms.rows import layout, lobe_rows, row_bake
 
 CASES = [
     ("ward", {}), ("ward", {"roughness_u": 1.0, "roughness_v": 1.0}), ("ward_duer", {"diffuse_color": (0.1, 0.2, 0.3)}),
@@ -125,7 +125,7 @@ def test_the_shader_is_given_rows_number_by_number():
     left = iter(numbered)
     for array in arrays(zeros):
         array[...] = np.reshape([next(left) for _ in range(array.size)], array.shape)
-    flat = source._flat(zeros, 3)
+    flat = assembler._flat(zeros, 3)
     facets, residual, head, row = zeros.facets, zeros.residual, 3, zeros.numbers // 2
     second = flat[head + row : head + 2 * row]
     assert flat[:2].tolist() == [0.5, 1.0] and flat[2] == zeros.brightness and len(flat) == head + 2 * row + 3 * 9

@@ -8,9 +8,9 @@ from truth.hemisphere import half_vector_lights
 from truth.rows import Row
 
 from addon import cli
-from addon.baking.rows import error as rows_error
-from addon.baking.rows import row_bake
 from addon.brdf import MODELS
+from addon.forms.rows import error as rows_error
+from addon.forms.rows import row_bake
 
 CASES = [("ward", {}), ("cook_torrance", {"roughness": 0.7}), ("lafortune", {}),
          ("ashikhmin_shirley", {"base_color": (0.9, 0.5, 0.2), "diffuse_color": (0.1, 0.1, 0.5)})]

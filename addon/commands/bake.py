@@ -5,14 +5,14 @@ import time
 
 import numpy as np
 
-from .. import brdf
-from ..baking import bake, sizes, star
-from ..baking.rows import error as rows_error
-from ..baking.rows import grid, row_bake
-from ..brdf import tables
-from ..brdf.parameters import MAX_EXPONENT, MIN_EXPONENT
 from ..cli import CommandError
-from ..verify.subject import settings
+from ..forms.albedo import bake, sizes, tables
+from ..forms.rows import error as rows_error
+from ..forms.rows import grid, row_bake
+from ..library import star
+from ..measure.specimen import settings
+from ..models import find_model
+from ..models.parameters import MAX_EXPONENT, MIN_EXPONENT
 
 DESCRIPTION = ("Compute the albedo tables. Cancelling leaves the old tables whole. --weights bakes what a model "
                "without a shader of its own renders by, as creating a material does, and states its error.")
@@ -94,8 +94,8 @@ def _bake(arguments, size):
 
 def _fit_base_lobes(arguments):
     try:
-        from ..baking import bells
-        from ..baking.base_lobes import fit
+        from ..forms import bells
+        from ..forms.base_lobes import fit
 
         start = time.monotonic()
         for done, total in bells.fit():
@@ -108,7 +108,7 @@ def _fit_base_lobes(arguments):
 
 
 def _state_weights(arguments):
-    model = brdf.find_model(arguments.weights)
+    model = find_model(arguments.weights)
     if not model.baked:
         raise CommandError(f"{model.id} has a shader of its own, and nothing to bake")
     given = settings(model, arguments.assignments)

@@ -4,10 +4,10 @@ import sys
 
 import numpy as np
 
-from .. import verify
-from ..brdf.channels import rgb
+from .. import measure
 from ..cli import CommandError
-from ..verify import plots, subject
+from ..measure import plots, specimen
+from ..models.channels import rgb
 
 DESCRIPTION = ("Render a material under a white sky and compare its albedo with the formula. Exit code 1 where they "
                "differ by more than the tolerance and five standard errors.")
@@ -26,12 +26,12 @@ def add_arguments(parser):
 def run(arguments):
     thing = find_subject(arguments)
     angles = np.array(arguments.angles)
-    measured, noise = verify.furnace(thing.material, angles, arguments.samples, arguments.resolution, arguments.seed,
+    measured, noise = measure.furnace(thing.material, angles, arguments.samples, arguments.resolution, arguments.seed,
                                      progress("furnace", arguments.progress))
     comparison = curve = None
     if thing.model is not None:
         reference = thing.albedo(np.cos(np.radians(angles)))
-        comparison = verify.compare(measured, reference, noise, arguments.tolerance)
+        comparison = measure.compare(measured, reference, noise, arguments.tolerance)
         fine = np.linspace(0.0, 89.5, 180)
         curve = fine, rgb(thing.albedo(np.cos(np.radians(fine))))
     if arguments.output:
@@ -83,7 +83,7 @@ def add_measuring(parser, samples):
                         help="tell on standard error how far it is, in lines, also where that is no terminal")
 
 
-def find_subject(arguments) -> subject.Subject:
+def find_subject(arguments) -> specimen.Specimen:
     """The material that the arguments name. Raises CommandError in one line for what is wrong with them."""
     from_file = arguments.blend is not None or arguments.material is not None
     if from_file == (arguments.model is not None):
@@ -98,8 +98,8 @@ def find_subject(arguments) -> subject.Subject:
         if arguments.output:
             plots.check(arguments.output)
         if from_file:
-            return subject.of_file(arguments.blend, arguments.material)
-        return subject.of_model(arguments.model, arguments.assignments)
+            return specimen.of_file(arguments.blend, arguments.material)
+        return specimen.of_model(arguments.model, arguments.assignments)
     except (ValueError, OSError) as error:
         raise CommandError(str(error)) from error
 
@@ -139,14 +139,14 @@ def summary(*comparisons) -> dict:
     if not known:
         return {"largest_error": None, "verdict": None}
     words = [c.verdict for c in known]
-    worst = next(word for word in (verify.comparison.FAILED, verify.comparison.NOISY, verify.comparison.OK)
+    worst = next(word for word in (measure.comparison.FAILED, measure.comparison.NOISY, measure.comparison.OK)
                  if word in words)
     return {"largest_error": max(c.largest for c in known), "verdict": worst}
 
 
 def exit_code(*comparisons) -> int:
     """0 where every comparison there is went well, else 1."""
-    return 0 if summary(*comparisons)["verdict"] in (None, verify.comparison.OK) else 1
+    return 0 if summary(*comparisons)["verdict"] in (None, measure.comparison.OK) else 1
 
 
 def largest(channels) -> float:

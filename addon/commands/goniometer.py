@@ -3,10 +3,10 @@ import json
 
 import numpy as np
 
-from .. import verify
-from ..brdf.channels import rgb
-from ..brdf.geometry import view_at
-from ..verify import plots
+from .. import measure
+from ..measure import plots
+from ..models.channels import rgb
+from ..models.geometry import view_at
 from . import furnace
 
 DESCRIPTION = ("Render a material under a sun of no size, light by light, and compare the lobe with the formula. Exit "
@@ -49,7 +49,7 @@ def run(arguments):
 
 
 def _lights(view, plane, angles):
-    return verify.in_plane(angles) if plane == "incidence" else verify.across_lobe(view, angles)
+    return measure.in_plane(angles) if plane == "incidence" else measure.across_lobe(view, angles)
 
 
 def _theory(thing, view, plane, angles):
@@ -73,7 +73,7 @@ def _sweep(arguments, thing, view, plane, label):
     """Measure the lobe along one arc of lights; all values are f (N·L)."""
     angles = _spread(thing, view, plane) if arguments.angles is None else np.array(arguments.angles)
     lights = _lights(view, plane, angles)
-    f, noise = verify.goniometer(thing.material, view, lights, arguments.samples, arguments.resolution,
+    f, noise = measure.goniometer(thing.material, view, lights, arguments.samples, arguments.resolution,
                                  arguments.seed, furnace.progress(label, arguments.progress))
     measured, noise = f * lights[:, 2:], noise * lights[:, 2:]
     sweep = {"view_deg": view, "plane": plane, "angles_deg": angles, "lights": lights, "measured": measured,
@@ -83,7 +83,7 @@ def _sweep(arguments, thing, view, plane, label):
         curve, reference = (_theory(thing, view, plane, a) for a in (fine, angles))
         # Weighed against the whole lobe's peak, so that rows of a faint flank do not count as wrong for nothing.
         peak = float(max(curve.max(), reference.max(), 1e-12))
-        comparison = verify.compare(measured, reference, noise, arguments.tolerance * peak)
+        comparison = measure.compare(measured, reference, noise, arguments.tolerance * peak)
         sweep.update(curve=(fine, curve), peak=peak, comparison=comparison, worst=comparison.largest / peak)
     return sweep
 

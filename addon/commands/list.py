@@ -2,8 +2,9 @@
 import json
 import math
 
-from .. import brdf
-from ..brdf import presets, tables
+from ..forms.albedo import tables
+from ..library import presets
+from ..models import MODELS, find_model
 
 DESCRIPTION = ("List the models with their formulas, parameters, tables and sources, or the presets by group: "
                "materials by name, each a model with parameters.")
@@ -17,9 +18,9 @@ def add_arguments(parser):
 
 
 def run(arguments):
-    models = list(brdf.MODELS.values())
+    models = list(MODELS.values())
     if arguments.model:
-        models = [brdf.find_model(arguments.model)]
+        models = [find_model(arguments.model)]
     if arguments.presets:
         (_print_presets_as_json if arguments.json else _print_presets)({model.id for model in models})
         return
@@ -47,7 +48,7 @@ def _print_presets(models):
             continue
         print(group)
         for key, preset in shown.items():
-            print(f"  {key:20} {preset.label:26} {preset.model}{', baked' * brdf.MODELS[preset.model].baked}")
+            print(f"  {key:20} {preset.label:26} {preset.model}{', baked' * MODELS[preset.model].baked}")
             print(f"    {preset.help}")
         print()
 

@@ -4,11 +4,12 @@ from dataclasses import asdict
 
 import numpy as np
 
-from ..brdf import MODELS, find_model
+from ..backends.nodes import principled_fit
 from ..cli import CommandError
-from ..fitting import principled, samples
+from ..fitting import samples
 from ..fitting.match import complete, match
-from ..verify.subject import settings
+from ..measure.specimen import settings
+from ..models import MODELS, find_model
 
 DESCRIPTION = ("Find the parameters with which a model's lobe is as wide as another's: seen along the normal, the "
                "normalised BRDF falls to half at the same angle of the half vector (Sawicki, Modeling the metallic "
@@ -66,7 +67,7 @@ def _native(arguments):
     if arguments.assignments and not arguments.source:
         raise CommandError("--set needs the model that it is for: name it with --from")
     models = [find_model(arguments.source)] if arguments.source else list(MODELS.values())
-    found = [(model, principled.fit(model, settings(model, arguments.assignments))) for model in models]
+    found = [(model, principled_fit.fit(model, settings(model, arguments.assignments))) for model in models]
     if arguments.json:
         print(json.dumps([{"model": model.id, **asdict(inputs)} for model, inputs in found], indent=2))
         return

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..brdf import find_model
+from ..models import find_model
 from . import match, minimax, samples
 
 # The light's and not the surface's; a factor as the colour is; a turn that only stretched lobes show.

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..brdf import find_model, fresnel, roughness_of_exponent
-from ..brdf.formula_model import FormulaModel, constant
-from ..brdf.tabulated import TABULATED
+from ..forms.albedo.tabulated import TABULATED
+from ..models import find_model, fresnel, roughness_of_exponent
+from ..models.formula_model import FormulaModel, constant
 
 ALONG, ACROSS = 0.0, 0.5 * np.pi  # azimuths of the light: the tangent, and across it
 _STEEPEST = 0.25 * np.pi  # half vector angle of a light at the horizon

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ..brdf import quadrature
-from ..brdf.channels import rgb
-from ..brdf.geometry import half, view_at
-from ..brdf.tabulated import TABULATED
+from ..forms.albedo.tabulated import TABULATED
+from ..models import quadrature
+from ..models.channels import rgb
+from ..models.geometry import half, view_at
 from .match import half_angles
 
 VIEWS = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0)  # degrees

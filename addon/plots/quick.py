@@ -13,15 +13,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..brdf import fresnel, half_map, pumping, quadrature
-from ..brdf.channels import luminance
-from ..brdf.formula_model import FormulaModel
-from ..brdf.geometry import half, in_plane, view_at
-from ..brdf.lobe_model import LobeModel
-from ..brdf.models.ndf_map import SHIPPED, NdfMapModel
-from ..brdf.pumped_model import PumpedModel
-from ..brdf.samplers import Cosine
-from ..brdf.tabulated import TABULATED
+from ..forms.albedo.tabulated import TABULATED
+from ..models import fresnel, half_map, pumping, quadrature
+from ..models.channels import luminance
+from ..models.formula_model import FormulaModel
+from ..models.formulas.ndf_map import SHIPPED, NdfMapModel
+from ..models.geometry import half, in_plane, view_at
+from ..models.lobe_model import LobeModel
+from ..models.pumped_model import PumpedModel
+from ..models.samplers import Cosine
 from ..resources import LUTS
 
 TOLERANCE = 0.004  # of an albedo up to 1; above it, of itself. Lafortune's lobes that grow without bound miss it

@@ -1,4 +1,4 @@
-// Base lobes: Cycles' own closures that together are nearly the target; see addon/baking/base.py, which fits them.
+// Base lobes: Cycles' own closures that together are nearly the target; see addon/forms/base.py, which fits them.
 // The BASE_ macros and the arrays base_ come from its file.
 //
 // Most are phong_ramp, whose colours make it any function of (R.L)^e: equidistant levels, which Cycles interpolates,
@@ -57,7 +57,7 @@ float read_gains(Hit hit, float scale, float widths[], output float gains[BASE_F
 // that the hit lies in, which is as good as between four and faster.
 void blend_nodes(Hit hit, float scale, float gains[BASE_FEATURES], vector table[], output vector sums[BASE_STRIDE])
 {
-    // Where the hit lies among the nodes: see `Family` in addon/baking/base.py.
+    // Where the hit lies among the nodes: see `Family` in addon/forms/base.py.
     float w = hit.frame.view[0] / max(hit.frame.view[2], LEAST_VIEW) * scale;
     float u = (BASE_U - 1) * (VIEW_SLOPE_SHARE * w / (1.0 + w) + hit.theta / M_PI);
     float v = (BASE_V - 1) * pow(hit.n, -BASE_POWER);

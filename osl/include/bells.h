@@ -5,7 +5,7 @@
 // bells, their places and widths, then holds at every view, anisotropy and projection. No closure takes light away:
 // where the bells are above the lump, what is too much is taken off all of them, so that no light is made.
 //
-// The table of bells is fitted by addon/baking/bells.py, and so are the macros BELLS_, BELL_, RING_ and STEEP_.
+// The table of bells is fitted by addon/forms/bells.py, and so are the macros BELLS_, BELL_, RING_ and STEEP_.
 
 #include "beckmann.h"
 
@@ -183,7 +183,7 @@ float bending(Disk d, Lump p)
     return hypot(dot(growth, a), dot(growth, b)) + CURVED * (dot(a, a) + dot(b, b));
 }
 
-// A row of the table of bells between its nodes, see addon/baking/bells.py; with `many`, of a steep lump, with what
+// A row of the table of bells between its nodes, see addon/forms/bells.py; with `many`, of a steep lump, with what
 // they leave. Returns whether it is one of those.
 int bells_row(float n, int many, float table[], output float row[])
 {

@@ -1,4 +1,4 @@
-// D of albedo pumping-up: see addon/brdf/pumping.py.
+// D of albedo pumping-up: see addon/models/pumping.py.
 
 #define PUMPED
 

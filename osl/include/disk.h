@@ -1,4 +1,4 @@
-// The halfway vector disk (Edwards et al. 2006): see addon/brdf/disk.py. Equations are numbered as in the paper.
+// The halfway vector disk (Edwards et al. 2006): see addon/models/disk.py. Equations are numbered as in the paper.
 //
 // Local frame: x is the tangent, z the shading normal. A point h of the disk is (h_u, h_v, 0); the disk's centre is the
 // in-plane part of the view.
@@ -63,7 +63,7 @@ void hold_radii(float allowed, output float radius_u, output float radius_v)
     radius_v *= factor;
 }
 
-// Exponent between the one at the normal and the one at grazing: see addon/brdf/disk_model.py.
+// Exponent between the one at the normal and the one at grazing: see addon/models/disk_model.py.
 float exponent_between(float at_normal, float grazing, float mu)
 {
     return pow(at_normal + 1.0, mu) * pow(grazing + 1.0, 1.0 - mu) - 1.0;

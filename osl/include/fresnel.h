@@ -1,4 +1,4 @@
-// The colour factor; see addon/brdf/fresnel.py for sources.
+// The colour factor; see addon/models/fresnel.py for sources.
 
 #define LEAST_FACTOR 1e-6  // of the mirror direction, summed over channels: anything is divided by no less
 

@@ -1,4 +1,4 @@
-// The half-vector lobe f_0 = (n+8)/(8 pi) (N.H)^n: see HalfVectorLobe in addon/brdf/lobes.py.
+// The half-vector lobe f_0 = (n+8)/(8 pi) (N.H)^n: see HalfVectorLobe in addon/models/lobes.py.
 
 #include "power.h"
 

@@ -1,4 +1,4 @@
-// The Phong lobe f_0 = (n+2)/(2 pi) max(R.L, 0)^n: see PhongLobe in addon/brdf/lobes.py.
+// The Phong lobe f_0 = (n+2)/(2 pi) max(R.L, 0)^n: see PhongLobe in addon/models/lobes.py.
 
 #include "power.h"
 

@@ -1,4 +1,4 @@
-// Which rows of lobe rows a hit takes: see addon/baking/weights.py, which makes them.
+// Which rows of lobe rows a hit takes: see addon/forms/weights.py, which makes them.
 //
 // A row is what a view sees: base closures, and cells of half vectors that hold what those leave over. A set is rows
 // for all views, after a head: the stretch of its rings along x and y, and about how bright it is. There is one set,

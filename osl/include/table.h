@@ -1,4 +1,4 @@
-// Reading an albedo table; addon/brdf/axes.py explains the axes, addon/brdf/tables.py the image.
+// Reading an albedo table; addon/forms/albedo/axes.py explains the axes, addon/forms/albedo/tables.py the image.
 //
 // The table comes in two ways with the same result: as an array of numbers compiled into the shader (TABLE is a float
 // array), or, where TABLE_FILE is defined, from the image file through texture() (TABLE is its name). Both blend

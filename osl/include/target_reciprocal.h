@@ -1,5 +1,5 @@
 // What is estimated on the disk: the lump made symmetric, pumped up, times the colour; see ReciprocalDiskLobe in
-// addon/brdf/lobes.py.
+// addon/models/lobes.py.
 
 struct Target {
     Correction c;

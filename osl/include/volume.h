@@ -1,4 +1,4 @@
-// What a round lump about the origin keeps of its volume on the disk: see VolumeTable in addon/brdf/tables.py.
+// What a round lump about the origin keeps of its volume on the disk: see VolumeTable in addon/forms/albedo/tables.py.
 
 float lump_volume(Row row, float mu_view, float radius, TABLE(volumes))
 {

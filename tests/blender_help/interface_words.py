@@ -3,7 +3,7 @@ import ast
 from pathlib import Path
 
 from addon.brdf import MODELS
-from addon.brdf.presets import PRESETS
+from addon.library.presets import PRESETS
 
 BLENDER = Path(__file__).resolve().parents[2] / "addon" / "blender"
 _SAYING = {"say": 0, "draw_text": 2, "Notice": 0, "Cure": 1}  # functions, and which argument is shown

@@ -1,5 +1,5 @@
 """Materials of ours, their nodes and sockets, and errors planted in their shaders."""
-from addon.shading import definitions
+from addon.backends.osl import definitions
 
 
 def make(model_id, **parameters):

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from addon.shading import constants, definitions
-from addon.verify import room, standards
+from addon.backends.osl import constants, definitions
+from addon.measure import scene, standards
 from optics.directions import toward
 
 INCLUDE = Path(__file__).resolve().parents[2] / "osl" / "include"
@@ -28,7 +28,7 @@ def material(text, colour, before="", rest=""):
     return standards.material_of_source(f"{text}\nshader shown(output closure color BSDF = 0) {{ {body} }}\n", "Shown")
 
 
-class Square(room.Room):
+class Square(scene.MeasuringScene):
     """A room whose plane is a square of `side` metres, far from the origin by `away` along all axes.
 
     `width` metres of it are seen, `view_deg` from its normal and `azimuth_deg` from its tangent, through a pixel filter
@@ -37,7 +37,7 @@ class Square(room.Room):
 
     def __init__(self, subject, resolution, side=4.0, away=0.0, view_deg=0.0, azimuth_deg=0.0, width=1.0, pixels=1.5,
                  turned=None):
-        super().__init__(subject, room.PLANE, resolution)
+        super().__init__(subject, scene.PLANE, resolution)
         self.look_from(toward(view_deg, azimuth_deg), width)
         self.scene.cycles.filter_width = pixels
         for corner in self.scene.objects["Plausible Subject"].data.vertices:

@@ -3,8 +3,8 @@ import itertools
 
 import numpy as np
 
-from addon import brdf, create_material, verify
-from addon.verify import comparison
+from addon import brdf, create_material, measure
+from addon.measure import comparison
 from optics.directions import cosines
 
 SIGMAS = comparison.SIGMAS
@@ -23,13 +23,13 @@ def sharpened(measure, count, wanted, most=1 << 14):
         again = np.nonzero((needed > low) & (needed <= high))[0]
         if len(again):
             value[again], noise[again] = measure(again, int(np.ceil(min(1.2 * needed[again].max(), most))), 1)
-    return verify.Measurement(value, noise)
+    return measure.Measurement(value, noise)
 
 
 def albedo_of(material, angles_deg, wanted=FURNACE_NOISE):
     """Furnace of `material`, its noise below `wanted` where that can be."""
     angles = np.atleast_1d(np.asarray(angles_deg, dtype=np.float64))
-    return sharpened(lambda rows, samples, seed: verify.furnace(material, angles[rows], samples=samples, seed=seed),
+    return sharpened(lambda rows, samples, seed: measure.furnace(material, angles[rows], samples=samples, seed=seed),
                      len(angles), wanted)
 
 
@@ -37,7 +37,7 @@ def furnace_report(model, parameters, angles, material=None):
     """Comparison of the rendered furnace with the quadrature."""
     measured, noise = albedo_of(material or create_material(model, **parameters), angles)
     reference = brdf.MODELS[model].albedo(cosines(angles), **parameters)
-    return verify.compare(measured, reference, noise, FURNACE_BOUND)
+    return measure.compare(measured, reference, noise, FURNACE_BOUND)
 
 
 def assert_good(report, noise):

@@ -2,7 +2,7 @@
 import numpy as np
 from scipy import ndimage
 
-from addon.brdf import exr
+from addon.models import exr
 
 
 def grid(size):

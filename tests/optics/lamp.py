@@ -1,8 +1,8 @@
 """A sphere under a square lamp: what a sum over the lamp gives, and what Cycles shows."""
 import numpy as np
 
-from addon import brdf, create_material, verify
-from addon.verify import room
+from addon import brdf, create_material, measure
+from addon.measure import scene
 from optics.directions import rgb
 from optics.sun import ball
 
@@ -76,8 +76,8 @@ def total_under_the_lamp(model, parameters, size=48, samples=64, pictures=6):
     """All light of a sphere under the lamp over the formula's, less one, and its standard error."""
     reference = gathered(lambda view, light: brdf.MODELS[model].evaluate(view, light, **parameters), size, lamp_points)
     covered = zones_of(reference, size)[0]
-    with room.Room(create_material(model, **parameters), room.BALL, size, exact_pixels=True) as place:
+    with scene.MeasuringScene(create_material(model, **parameters), scene.BALL, size, exact_pixels=True) as place:
         area_lamp(place)
         place.look_from((0.0, 0.0, 1.0), 2.0 * (1.0 + 1.0 / size))
-        ratios = [verify.total_ratio(place.render(samples, seed), reference, covered) for seed in range(pictures)]
+        ratios = [measure.total_ratio(place.render(samples, seed), reference, covered) for seed in range(pictures)]
     return np.mean(ratios) - 1.0, np.std(ratios, ddof=1) / np.sqrt(pictures)

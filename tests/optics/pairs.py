@@ -2,7 +2,7 @@
 perspective."""
 import numpy as np
 
-from addon.verify import Measurement, room
+from addon.measure import Measurement, scene
 from optics.directions import toward
 
 
@@ -12,8 +12,8 @@ def measured(material, views, lights, samples, seed=0, resolution=16) -> Measure
     Its pixels are independent measurements of one number each: (N, 3) both.
     """
     rows = []
-    with room.Room(material, room.PLANE, resolution) as place:
-        sun = place.shine("SUN", (0.0, 0.0, 1.0), energy=room.SUN_ENERGY, angle=0.0)
+    with scene.MeasuringScene(material, scene.PLANE, resolution) as place:
+        sun = place.shine("SUN", (0.0, 0.0, 1.0), energy=scene.SUN_ENERGY, angle=0.0)
         for view, light in zip(views, lights, strict=True):
             place.look_from(view)
             place.aim(sun, light)

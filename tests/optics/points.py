@@ -1,7 +1,7 @@
 """f (N·L) at single directions, in parts of a lobe's peak."""
 import numpy as np
 
-from addon import brdf, verify
+from addon import brdf
 from optics.directions import rgb
 from optics.furnace import sharpened
 
@@ -21,7 +21,7 @@ def peak_of(model, parameters, view):
 def directions_of(material, view_deg, lights, peak, most):
     """f (N·L) in parts of `peak`, from so many samples, up to `most`, that the noise is below POINT_WANTED."""
     def measure(rows, samples, seed):
-        f, noise = verify.goniometer(material, view_deg, lights[rows], samples=samples, seed=seed)
+        f, noise = measure.goniometer(material, view_deg, lights[rows], samples=samples, seed=seed)
         return f * lights[rows, 2:] / peak, noise * lights[rows, 2:] / peak
 
     return sharpened(measure, len(lights), POINT_WANTED, most)

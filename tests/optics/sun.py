@@ -1,8 +1,8 @@
 """A sphere under a sun of no size, pixel by pixel and in total."""
 import numpy as np
 
-from addon import brdf, create_material, verify
-from addon.verify import room, standards
+from addon import brdf, create_material, measure
+from addon.measure import scene, standards
 from optics.furnace import SIGMAS
 
 SUNS = (0.0, 40.0, 65.0, 80.0)
@@ -28,17 +28,17 @@ class Sun:
     def __init__(self, material, evaluate, suns, resolution, total_noise=TOTAL_NOISE):
         self.wanted = 0.7 * total_noise
         self.pictures, self.references, self.covered, self.ratios, self.outside = [], [], [], [], []
-        with room.Room(material, room.BALL, resolution, exact_pixels=True) as place:
+        with scene.MeasuringScene(material, scene.BALL, resolution, exact_pixels=True) as place:
             place.look_from((0.0, 0.0, 1.0), 2.0 * (1.0 + 1.0 / resolution))
-            lamp = place.shine("SUN", (0.0, 0.0, 1.0), energy=room.SUN_ENERGY, angle=0.0)
+            lamp = place.shine("SUN", (0.0, 0.0, 1.0), energy=scene.SUN_ENERGY, angle=0.0)
             for angle in suns:
                 direction = np.array([np.sin(np.radians(angle)), 0.0, np.cos(np.radians(angle))])
                 place.aim(lamp, direction)
-                self._measure(place, verify.local_directions(ball(resolution), direction, margin=0.05), evaluate)
+                self._measure(place, measure.local_directions(ball(resolution), direction, margin=0.05), evaluate)
         self.outside, self.bias = np.array(self.outside), np.zeros(len(suns))
 
     def _measure(self, place, lit, evaluate):
-        reference = verify.sphere_reference(evaluate, lit)
+        reference = measure.sphere_reference(evaluate, lit)
         bright = reference.max(axis=-1) > 1e-4 * reference.max()
         select(place, None)
         self.outside.append(place.render(16)[lit.covered & ~bright].sum() / reference.sum())
@@ -46,7 +46,7 @@ class Sun:
         ratios, pictures = [], []
         while len(pictures) < self.PICTURES:
             parts = [place.render(SUN_SAMPLES // self.PARTS, len(ratios) + i) for i in range(self.PARTS)]
-            ratios += [verify.total_ratio(part, reference, bright) for part in parts]
+            ratios += [measure.total_ratio(part, reference, bright) for part in parts]
             pictures.append(np.mean(parts, axis=0))
             if self._noise(ratios) <= self.wanted:
                 break
@@ -67,11 +67,11 @@ class Sun:
 
     def l1(self, channel=slice(None)):
         """Mean deviation per pixel at each sun, noise included, as a part of the mean."""
-        return self._each(verify.l1_error, channel) + self.outside
+        return self._each(measure.l1_error, channel) + self.outside
 
     def total(self, channel=slice(None)):
         """Total over the formula's total less one, at each sun, less what is known to be the instrument's own."""
-        return self._each(verify.total_ratio, channel) + self.outside - 1.0 - self.bias
+        return self._each(measure.total_ratio, channel) + self.outside - 1.0 - self.bias
 
     def noise(self):
         """Standard error of `total` at each sun; a few seeds tell it roughly, so it is not below half of the mean."""
@@ -108,7 +108,7 @@ def ball(resolution, image=None):
     squared = 1.0 - x * x - y * y
     normal = np.stack([x, y, np.sqrt(np.maximum(squared, 0.0))], axis=-1)
     normal[squared <= 0.0] = np.nan
-    return verify.Sphere(image, squared > 0.0, normal, np.array([0.0, 0.0, 1.0]))
+    return measure.Sphere(image, squared > 0.0, normal, np.array([0.0, 0.0, 1.0]))
 
 
 def sun_report(model, parameters, suns=SUNS, material=None):

@@ -5,7 +5,8 @@ from functools import lru_cache
 import numpy as np
 from scipy import ndimage, optimize, special
 
-from addon.brdf import exr, tables
+from addon.forms.albedo import tables
+from addon.models import exr
 
 
 def half_of(v, light):

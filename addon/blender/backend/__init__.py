@@ -1,7 +1,19 @@
 """What can render a model in Blender, by id. A group keeps the id of the backend that feeds its BSDF output."""
 from .osl import Osl, OslError
 from .principled import PrincipledFit
-from .protocol import BSDF, MODEL_KEY, STAND_IN, Backend, BackendError, Cure, Notice, Program, pair_of, stored, text_of
+from .protocol import (
+    BSDF,
+    MODEL_KEY,
+    STAND_IN,
+    Backend,
+    BackendError,
+    Cure,
+    Notice,
+    Program,
+    pair_of,
+    stored,
+    text_of,
+)
 
 BACKEND_KEY = "plausible_backend"  # of a group; groups of version 0.2 have none, and are OSL's
 DEFAULT = Osl()

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import bpy
 
-from ...baking.rows import grid, row_bake
-from ...brdf import tables
-from ...shading import source
+from ...backends.osl import assembler
+from ...forms.albedo import tables
+from ...forms.rows import grid, row_bake
 from ..host import cache, table_folder
 from ..host.translation import say
 from .protocol import BSDF, MODEL_KEY, BackendError, Cure, Notice, Program, pair_of, stored, text_of
@@ -32,20 +32,20 @@ class OslError(BackendError):
 class Osl:
     """See `protocol.Backend`. `lut` is "compiled" (tables are part of the shader) or "file" (it reads image files)."""
 
-    lut: str = source.COMPILED
+    lut: str = assembler.COMPILED
 
     id = "osl"
     label = "Open Shading Language"
 
-    def with_options(self, lut: str = source.COMPILED) -> "Osl":
+    def with_options(self, lut: str = assembler.COMPILED) -> "Osl":
         """See `Backend`."""
-        if lut not in (source.COMPILED, source.FILE):
-            raise ValueError(f"lut: {lut!r} is not one of {source.COMPILED}, {source.FILE}")
+        if lut not in (assembler.COMPILED, assembler.FILE):
+            raise ValueError(f"lut: {lut!r} is not one of {assembler.COMPILED}, {assembler.FILE}")
         return replace(self, lut=lut)
 
     def as_kept(self, group) -> "Osl":
         """See `Backend`."""
-        return replace(self, lut=source.FILE if text_of(group, LUT_KEY) == source.FILE else source.COMPILED)
+        return replace(self, lut=assembler.FILE if text_of(group, LUT_KEY) == assembler.FILE else assembler.COMPILED)
 
     def keep_options(self, group):
         """See `Backend`."""
@@ -86,11 +86,11 @@ class Osl:
 
     def can_share(self, model) -> bool:
         """See `Backend`: a shader that reads table files names them inside the group."""
-        return self.follows_sockets(model) and self.lut == source.COMPILED
+        return self.follows_sockets(model) and self.lut == assembler.COMPILED
 
     def check(self, model, values):
         """See `Backend`. Raises brdf.TableError where a table is missing, or not baked for an exponent."""
-        for table, exponent in model.readings(values) if self.lut == source.COMPILED else ():
+        for table, exponent in model.readings(values) if self.lut == assembler.COMPILED else ():
             tables.require(table, exponent)
 
     def program(self, model, values=None, ranges=None) -> Program:
@@ -101,13 +101,13 @@ class Osl:
         if not self.follows_sockets(model):
             return self._program(model, cache.fetch(
                 cache.key(model, values or {}, "shader", ranges),
-                lambda: compile_text(model, source.assemble(model, self.lut, values, ranges))))
-        return self._program(model, _compiled_once(model, source.assemble(model, self.lut, values)))
+                lambda: compile_text(model, assembler.assemble(model, self.lut, values, ranges))))
+        return self._program(model, _compiled_once(model, assembler.assemble(model, self.lut, values)))
 
     def blank(self, model) -> Program:
         """See `Backend`: its material renders striped."""
         rows = grid.ParameterGrid((), (row_bake.blank(model, {}),))
-        text = source.assemble(model, baked=rows, defines={"MODEL_MATCHES": "0"})
+        text = assembler.assemble(model, baked=rows, defines={"MODEL_MATCHES": "0"})
         return self._program(model, _compiled_once(model, text))
 
     def is_cached(self, model, values, ranges) -> bool:
@@ -123,9 +123,9 @@ class Osl:
             socket.default_value = stored(socket, parameter.default)
             if parameter.id in inputs:
                 group.links.new(inputs[parameter.id], socket)
-        for name in model.tables if self.lut == source.FILE else ():
+        for name in model.tables if self.lut == assembler.FILE else ():
             table = tables.TABLES[name]
-            mode = source.mode_of(table)
+            mode = assembler.mode_of(table)
             socket = script.inputs.new("NodeSocketString", f"Table ({mode})", identifier=f"table_{mode}")
             socket.default_value = str(table.path)
         script.outputs.new("NodeSocketShader", BSDF, identifier=BSDF)
@@ -161,7 +161,7 @@ class Osl:
         return [name for name, identifier in fed_by.items() if entries.get(name, identifier) != identifier]
 
     def _program(self, model, bytecode):
-        spans = tuple((name, *span) for name, span in source.spans(model).items())
+        spans = tuple((name, *span) for name, span in assembler.spans(model).items())
         return Program(self.id, model.id, bytecode, spans)
 
 
@@ -291,7 +291,7 @@ def _entry_of(inside):
 def table_files(group, model) -> dict:
     """{table: path} of the files that a group's shader reads its tables from; {} where they are compiled in."""
     script = script_in(group)
-    modes = {f"table_{source.mode_of(tables.TABLES[name])}": name for name in model.tables}
+    modes = {f"table_{assembler.mode_of(tables.TABLES[name])}": name for name in model.tables}
     return {modes[s.identifier]: Path(bpy.path.abspath(s.default_value)) for s in (script.inputs if script else ())
             if s.identifier in modes and s.type == "STRING"}
 

@@ -6,8 +6,8 @@ textures, drivers and keyframes show. Other models have inputs that are fitted f
 import json
 from dataclasses import dataclass
 
-from ...brdf.disk_model import DiskModel
-from ...fitting import fallback, principled
+from ...backends.nodes import fallback, principled_fit
+from ...models.disk_model import DiskModel
 from ..host.translation import say
 from .node_builder import Nodes
 from .protocol import MODEL_KEY, STAND_IN, Cure, Notice, Program, text_of
@@ -100,7 +100,7 @@ class PrincipledFit:
         exponent = (_lump_exponent if isinstance(model, DiskModel) else _lobe_exponent)(nodes, model, inputs)
         # A half-vector power of m looks like a microfacet lobe with m = 2/alpha² - 2 and alpha = roughness², nearly.
         roughness = nodes.math("POWER", nodes.math("DIVIDE", 2.0, nodes.math("ADD", exponent, 2.0)), 0.25)
-        nodes.feed(node, "Roughness", nodes.math("MULTIPLY", roughness, principled.ROUGHNESS_FACTORS[model.id]))
+        nodes.feed(node, "Roughness", nodes.math("MULTIPLY", roughness, principled_fit.ROUGHNESS_FACTORS[model.id]))
         if "diffuse_color" in inputs:
             return _over_diffuse(nodes, inputs, node, normal)
         nodes.feed(node, "Base Color", _color(nodes, inputs))

@@ -8,9 +8,8 @@ from functools import lru_cache
 
 import bpy
 
-from ...baking import store
 from ...resources import LUTS, OSL, PACKAGE
-from . import settings
+from . import settings, store
 
 # What decides how values become bytecode: folders of code, and files.
 _CODE = [PACKAGE / "models", PACKAGE / "forms", PACKAGE / "backends" / "osl", OSL]

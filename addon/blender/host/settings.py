@@ -3,7 +3,7 @@ from pathlib import Path
 
 import bpy
 
-from ...brdf.parameters import ESTIMATOR
+from ...models.parameters import ESTIMATOR
 from ...resources import ROOT
 
 ROOT_PACKAGE = __package__.rsplit(".", 3)[0]  # "bl_ext.<repository>.plausible_brdf" inside Blender, else "addon"

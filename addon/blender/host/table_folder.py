@@ -2,8 +2,8 @@
 import shutil
 from pathlib import Path
 
-from ...baking import bake, files
-from ...brdf import tables
+from ...forms import files
+from ...forms.albedo import bake, tables
 from . import settings
 
 folder_problem = None  # why the folder that the user chose, or the tables baked here, are not used

@@ -2,8 +2,7 @@
 import threading
 import time
 
-from ...baking import bake, sizes
-from ...brdf import tables
+from ...forms.albedo import bake, sizes, tables
 from .table_folder import use_bake_folder
 
 job = None  # the bake that runs, or the last one since Blender started

@@ -1,7 +1,7 @@
 """The values that a node's program was made for, and whether the node still holds them."""
 import json
 
-from ...baking.rows import error as rows_error
+from ...forms.rows import error as rows_error
 from .. import backend as backends
 from ..backend import pair_of, text_of
 from ..host import cache

@@ -3,7 +3,7 @@ import json
 
 import numpy as np
 
-from ...baking.rows import grid
+from ...forms.rows import grid
 from ..backend import pair_of, text_of
 from . import groups
 from .curves import curves

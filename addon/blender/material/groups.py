@@ -8,8 +8,8 @@ import math
 
 import bpy
 
-from ... import brdf
-from ...brdf.parameters import COLOR, GEOMETRY, LOBE, RETROREFLECTION, SAMPLING
+from ... import models
+from ...models.parameters import COLOR, GEOMETRY, LOBE, RETROREFLECTION, SAMPLING
 from ...version import VERSION
 from .. import backend as backends
 from ..backend import BSDF, MODEL_KEY, STAND_IN, stored, text_of
@@ -175,7 +175,7 @@ def model_of(node):
 
 def named_model(thing):
     """The model that a group, or a Script node of a version before groups, names; None where it names none."""
-    return brdf.MODELS.get(text_of(thing, MODEL_KEY))
+    return models.MODELS.get(text_of(thing, MODEL_KEY))
 
 
 def backend_of(node):

@@ -2,7 +2,8 @@
 import bpy
 
 from ... import brdf
-from ...fitting import fallback, match
+from ...backends.nodes import fallback
+from ...fitting import match
 from .. import backend as backends
 from . import baked_state, driven, groups, row_jobs
 from .groups import find_node, model_of

@@ -3,8 +3,8 @@ import threading
 
 import bpy
 
-from ...baking.rows import error as rows_error
-from ...baking.rows import grid
+from ...forms.rows import error as rows_error
+from ...forms.rows import grid
 from ..host.redraw import redraw
 from . import baked_state, driven, groups
 

@@ -1,7 +1,7 @@
 """Add > Shader > Plausible in the shader editor: one node for each model."""
 import bpy
 
-from ... import brdf
+from ...models import MODELS
 from .. import backend as backends
 from ..material import baked_state, groups
 from .operators.common import renders_here, reporting
@@ -21,7 +21,7 @@ class PLAUSIBLE_OT_add_node(bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        return brdf.MODELS[properties.model].description
+        return MODELS[properties.model].description
 
     @classmethod
     def poll(cls, context):
@@ -44,7 +44,7 @@ class PLAUSIBLE_OT_add_node(bpy.types.Operator):
     @reporting
     def execute(self, context):
         tree = context.space_data.edit_tree
-        node = groups.add_node(tree, brdf.MODELS[self.model])
+        node = groups.add_node(tree, MODELS[self.model])
         baked_state.record(node)
         for other in tree.nodes:
             other.select = False
@@ -62,7 +62,7 @@ class PLAUSIBLE_MT_add(bpy.types.Menu):
     bl_label = "Plausible"
 
     def draw(self, context):
-        for model in brdf.MODELS.values():
+        for model in MODELS.values():
             if backends.DEFAULT.follows_sockets(model):
                 self.layout.operator("plausible.add_node", text=model.label).model = model.id
         self.layout.separator()
@@ -76,7 +76,7 @@ class PLAUSIBLE_MT_add_baked(bpy.types.Menu):
     bl_label = "Baked for Their Values"
 
     def draw(self, context):
-        for model in brdf.MODELS.values():
+        for model in MODELS.values():
             if not backends.DEFAULT.follows_sockets(model):
                 self.layout.operator("plausible.add_node", text=model.label).model = model.id
 

@@ -3,8 +3,8 @@ import bpy
 import bpy.utils.previews
 
 from ... import assets
-from ...brdf import MODELS
-from ...brdf.presets import PRESETS
+from ...library.presets import PRESETS
+from ...models import MODELS
 
 _pictures = None
 

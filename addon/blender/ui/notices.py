@@ -1,7 +1,7 @@
 """What stands between a material and its picture, in words, and the button that mends it."""
 import bpy
 
-from ...brdf import tables
+from ...forms.albedo import tables
 from .. import backend as backends
 from ..backend import Cure, Notice
 from ..backend.osl import GET_BLENDER

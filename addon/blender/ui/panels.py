@@ -3,8 +3,8 @@ import textwrap
 
 import bpy
 
-from ...brdf.disk_model import DiskModel
-from ...brdf.parameters import COLOR, LOBE, RETROREFLECTION
+from ...models.disk_model import DiskModel
+from ...models.parameters import COLOR, LOBE, RETROREFLECTION
 from .. import backend as backends
 from ..host import table_folder, table_job
 from ..host.translation import look_up, say

@@ -1,7 +1,7 @@
 """The extension's preferences: where the albedo tables are, what new materials begin with, and the cache."""
 import bpy
 
-from ...brdf import tables
+from ...forms.albedo import tables
 from .. import backend as backends
 from ..host import cache, settings, table_folder
 from .operators import table_bake

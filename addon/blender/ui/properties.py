@@ -7,7 +7,7 @@ import math
 
 import bpy
 
-from ...brdf import MODELS
+from ...models import MODELS
 from .. import backend as backends
 from ..material import driven, groups, materials, sockets
 from . import icons

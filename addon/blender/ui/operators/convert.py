@@ -1,7 +1,7 @@
 """Turning a material into another model whose lobe is as wide."""
 import bpy
 
-from ....brdf import MODELS
+from ....models import MODELS
 from ...material import materials
 from .. import icons
 from ..properties import MODEL_ITEMS

@@ -1,7 +1,7 @@
 """Colors and optical constants of metals."""
 import bpy
 
-from ....brdf.metals import METALS
+from ....library.metals import METALS
 from ...material import materials
 from .common import OnMaterial, material_of, plausible_node, reporting
 

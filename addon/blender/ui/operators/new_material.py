@@ -1,7 +1,7 @@
 """A new material on the active object."""
 import bpy
 
-from ....brdf import MODELS
+from ....models import MODELS
 from ... import backend as backends
 from ...host import settings
 from ...material import materials

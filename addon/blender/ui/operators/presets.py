@@ -1,7 +1,7 @@
 """Presets: materials by name."""
 import bpy
 
-from ....brdf.presets import PRESETS
+from ....library.presets import PRESETS
 from ...material import materials
 from .. import icons
 from .common import OnMaterial, material_of, reporting

@@ -1,9 +1,8 @@
 """Baking the albedo tables: the dialog that asks which, how fine and for which exponents, and the bake itself."""
 import bpy
 
-from ....baking import bake, sizes
-from ....brdf import tables
-from ....brdf.parameters import MAX_EXPONENT, MIN_EXPONENT
+from ....forms.albedo import bake, sizes, tables
+from ....models.parameters import MAX_EXPONENT, MIN_EXPONENT
 from ...host import table_folder, table_job
 from ...host.redraw import redraw
 

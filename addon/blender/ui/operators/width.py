@@ -1,7 +1,7 @@
 """The width of a lobe by exponent or by roughness."""
 import bpy
 
-from .... import brdf
+from .... import models
 from ...material import materials, sockets
 from .common import OnMaterial, material_of, plausible_node, reporting
 
@@ -20,9 +20,9 @@ class PLAUSIBLE_OT_switch_width(OnMaterial, bpy.types.Operator):
             raise ValueError(f"{model.label} has no roughness to give its width by")
         new = {"use_roughness": not now["use_roughness"]}
         if now["use_roughness"]:
-            new["exponent"] = brdf.exponent_of_roughness(now["roughness"])
+            new["exponent"] = models.exponent_of_roughness(now["roughness"])
         else:
-            new["roughness"] = brdf.roughness_of_exponent(now["exponent"])
+            new["roughness"] = models.roughness_of_exponent(now["exponent"])
         materials.set_values(node, {model.parameter(name): value for name, value in new.items()})
         return {"FINISHED"}
 

@@ -1,0 +1,1 @@
+"""From a form to something that a renderer runs, without Blender."""

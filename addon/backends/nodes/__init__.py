@@ -1,0 +1,1 @@
+"""What shader nodes render: Principled BSDFs that come nearest to a model."""

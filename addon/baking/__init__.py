@@ -1,1 +1,0 @@
-"""Computes, writes, reads and checks the albedo tables. Never imports bpy."""

@@ -1,0 +1,57 @@
+"""Bytes of the albedo tables by their error: columns and rows by a factor, and numbers of single or half precision."""
+import numpy as np
+
+from ...forms.albedo import bake, tables
+from ...measure import plots
+
+FACTORS = (0.25, 0.35, 0.5, 0.7, 1.0, 1.4)
+CELLS = 6  # pairs of rows where a table's error is measured, the last among them
+
+
+def measure(effort, progress) -> dict:
+    """{rows: [{table, factor, precision, bytes, error}]}: the largest relative error between nodes, at CELLS rows."""
+    names = [name for name, table in tables.TABLES.items() if isinstance(table, tables.Table)]
+    found, done = [], 0
+    for name in names:
+        for factor in FACTORS:
+            found.extend(_rows(tables.TABLES[name], factor))
+            done += 1
+            progress(done, len(names) * len(FACTORS))
+    return {"rows": found}
+
+
+def _rows(declared, factor):
+    told = declared.told_axes()
+    told.update({axis: round(factor * told[axis]) for axis in ("columns", "rows")})
+    table = declared.with_axes(**told)
+    nodes = np.zeros((table.height, table.columns.columns, 4))
+    chosen = np.unique(np.linspace(0, table.height - 2, CELLS).astype(int))
+    for row in {*chosen, *(chosen + 1)}:
+        nodes[row] = bake.bake_row((table, row))
+    for precision in (np.float32, np.float16):
+        stored = nodes.astype(precision).astype(np.float64)
+        yield {"table": table.name, "factor": factor, "precision": precision.__name__,
+               "bytes": int(nodes.size * np.dtype(precision).itemsize),
+               "error": max(float(bake.cell_errors(table, stored, row)[1]) for row in chosen)}
+
+
+def lines(report):
+    for row in report["rows"]:
+        yield (f"{row['table']:17} x{row['factor']:<5g} {row['precision']:8} {1e-3 * row['bytes']:7.0f} kB   "
+               f"within {row['error']:.1e}")
+
+
+def draw(report):
+    """Error over bytes, a line a table; half precision dashed."""
+    plt = plots._pyplot()
+    figure, axis = plt.subplots(figsize=(7.2, 4.2), layout="constrained")
+    for i, name in enumerate(dict.fromkeys(row["table"] for row in report["rows"])):
+        for precision, style in (("float32", "o-"), ("float16", "o:")):
+            rows = [r for r in report["rows"] if r["table"] == name and r["precision"] == precision]
+            axis.plot([1e-3 * r["bytes"] for r in rows], [r["error"] for r in rows], style, ms=4, color=plots.VIEWS[i],
+                      label=name if precision == "float32" else None)
+    axis.axhline(bake.INTERPOLATION_BOUND, color=plots.INK, lw=0.8, ls=(0, (4, 3)))
+    axis.plot([], [], "o:", color=plots.INK, ms=4, label="half precision")
+    axis.set(xscale="log", yscale="log", xlabel="kB, uncompressed", ylabel="largest relative error between nodes")
+    axis.legend(frameon=False, fontsize=8)
+    return figure

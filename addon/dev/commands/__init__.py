@@ -1,0 +1,1 @@
+"""Commands of `plausible` that a checkout has and the extension lacks."""

@@ -1,0 +1,84 @@
+"""Makes the asset library: a .blend with the presets as materials and the models as nodes, and its catalogues.
+
+Blender reads files of its own and older versions, so the file that ships is to be made in the oldest one supported.
+"""
+import uuid
+from pathlib import Path
+
+from ...assets import LIBRARY, preview
+from ...forms import files
+from ...library.presets import PRESETS
+from ...models import MODELS
+
+CATALOGUES = "blender_assets.cats.txt"
+_NODES = "Plausible/Nodes"
+_SPACE = uuid.UUID("6d3f7c0e-52a1-4f0b-9f0c-6b1de52a4f10")  # any one: catalogues keep their ids from build to build
+
+
+def build(folder: Path = LIBRARY.parent, progress=lambda done, total: None) -> Path:
+    """Write the library into `folder` and return its path; what is open in Blender is lost.
+
+    `progress(done, total)` counts materials and nodes. Raises OSError where the folder cannot be written.
+    """
+    import bpy
+
+    from ...blender.material import groups, materials
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    shown = [model for model in MODELS.values() if not model.baked]  # the others are baked for each use
+    total, made = len(PRESETS) + len(shown), set()
+    for key, preset in PRESETS.items():
+        material = materials.create_material(preset.model, preset.label, **preset.parameters)
+        tags = preset.group, MODELS[preset.model].label
+        _mark(material, preview(key), preset.help, _catalogue(preset), tags)
+        made.add(material)
+        progress(len(made), total)
+    for model in shown:
+        tree = groups.find_node(materials.create_material(model.id)).node_tree
+        _mark(tree, preview(model.id), model.description, _NODES, ("BRDF",))
+        made.add(tree)
+        progress(len(made), total)
+    folder.mkdir(parents=True, exist_ok=True)
+    _write_catalogues(folder / CATALOGUES)
+    path = folder / LIBRARY.name
+    with files.replacing(path) as beside:
+        bpy.data.libraries.write(str(beside), made, compress=True)
+    return path
+
+
+def missing_previews() -> list:
+    """Presets and models that have no thumbnail, by id."""
+    keys = [*PRESETS, *(model.id for model in MODELS.values() if not model.baked)]
+    return [key for key in keys if not preview(key).is_file()]
+
+
+def _catalogue(preset):
+    return f"Plausible/{preset.group}"
+
+
+def identifier(catalogue: str) -> str:
+    """The UUID of a catalogue."""
+    return str(uuid.uuid5(_SPACE, catalogue))
+
+
+def _mark(block, picture, description, catalogue, tags):
+    import bpy
+
+    block.asset_mark()
+    data = block.asset_data
+    data.description, data.catalog_id = description, identifier(catalogue)
+    data.author, data.license = "Plausible BRDF contributors", "GPL-3.0-or-later"
+    for tag in tags:
+        data.tags.new(tag, skip_if_exists=True)
+    image = bpy.data.images.load(str(picture))
+    preview = block.preview_ensure()
+    preview.image_size = image.size
+    preview.image_pixels_float.foreach_set(list(image.pixels))
+    bpy.data.images.remove(image)
+
+
+def _write_catalogues(path):
+    names = sorted({"Plausible", _NODES, *map(_catalogue, PRESETS.values())})
+    lines = ["# Catalogues of the Plausible BRDF asset library.", "VERSION 1", ""]
+    lines += [f"{identifier(name)}:{name}:{name.replace('/', '-')}" for name in names]
+    files.replace_text(path, "\n".join(lines) + "\n")

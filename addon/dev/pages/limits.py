@@ -1,0 +1,56 @@
+"""What README's Limits say of a model: its page quotes them, so that they are written once."""
+
+from ...models.disk_model import DiskModel
+from ...models.lobes import DISK
+from ...resources import ROOT
+
+README = ROOT / "README.md"
+HEADING = "## Limits"
+
+
+def made_of_lumps(model):
+    return isinstance(model, DiskModel) or getattr(model, "lobe", None) is DISK
+
+
+# How an entry begins, and which models it is about. All others are about every model.
+_ABOUT = {
+    "A lamp of no size": lambda model: model.base_family is not None and not model.baked,
+    "The fitted base ends below zero": lambda model: model.base_family == "blinn",
+    "Super-metals": lambda model: model.id == "pumped_blinn",
+    "A pumped material takes": lambda model: model.id in ("pumped_phong", "pumped_blinn"),
+    "Lumps:": made_of_lumps,
+    "Lumps narrower": made_of_lumps,
+    "Materials carry the tables": lambda model: bool(model.tables),
+    "Models that are baked": lambda model: model.baked,
+    "Pumped formulas": lambda model: model.baked and model.id.startswith("pumped_"),
+    "NDF maps": lambda model: model.id == "ndf_map",
+}
+
+
+def entries(text: str) -> list:
+    """The entries of the list under HEADING in a Markdown `text`, each without its dash and in one line.
+
+    Raises ValueError where there is no such list.
+    """
+    _, found, rest = text.partition(f"\n{HEADING}\n")
+    section = rest.partition("\n## ")[0].strip()
+    if not found or not section.startswith("- "):
+        raise ValueError(f"README has no list under {HEADING!r}")
+    return [" ".join(entry.split()) for entry in section.removeprefix("- ").split("\n- ")]
+
+
+def limits_of(model, text: str | None = None) -> list:
+    """The entries of README, or of `text`, that are about this model and not about all.
+
+    Raises ValueError that names a beginning in _ABOUT with which no entry begins, or more than one.
+    """
+    found = entries(README.read_text(encoding="utf-8") if text is None else text)
+    chosen = []
+    for beginning, is_about in _ABOUT.items():
+        matching = [entry for entry in found if entry.startswith(beginning)]
+        if len(matching) != 1:
+            raise ValueError(f"README's Limits have {len(matching)} entries that begin with {beginning!r}, expected 1: "
+                             "say in addon/dev/pages/limits.py which models it is about")
+        if is_about(model):
+            chosen += matching
+    return chosen

@@ -1,0 +1,1 @@
+"""Albedo tables: their axes and files, reading them, and baking them."""

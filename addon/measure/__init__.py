@@ -1,0 +1,27 @@
+"""Renders in Blender, headless, held against the formulas of `brdf`: furnace, goniometer, lit sphere.
+
+bpy is loaded when a measurement starts, so the room can be imported anywhere.
+"""
+from .comparison import Comparison, compare
+from .instruments import (
+    LitDirections,
+    Measurement,
+    Sphere,
+    across_lobe,
+    furnace,
+    goniometer,
+    in_plane,
+    l1_error,
+    local_directions,
+    sphere,
+    sphere_reference,
+    sphere_sun,
+    total_ratio,
+)
+from .scene import MeasureError, MeasuringScene, quiet, require_blender
+
+__all__ = [
+    "Comparison", "LitDirections", "MeasureError", "Measurement", "MeasuringScene", "Sphere", "across_lobe", "compare",
+    "furnace", "goniometer", "in_plane", "l1_error", "local_directions", "quiet", "require_blender", "sphere",
+    "sphere_reference", "sphere_sun", "total_ratio",
+]

@@ -1,0 +1,248 @@
+"""Whether a .blend renders alone, with an empty profile, what it renders in its place, and what it would lack there.
+
+Nothing of Blender is loaded here: each picture is made by a Blender of its own, which runs `probe`.
+"""
+import contextlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ..measure.scene import MeasureError
+
+# A copy travels to a place that is as awkward as a user's can be.
+_PLACE = "Plausible Übung 旅"
+_SOCKET = "a path in a shader's text socket, which neither Blender's packing nor an asset tracer (BAT, Flamenco) sees"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that a .blend needs, or a setting, in words; `grave` where a picture elsewhere would be another one."""
+
+    subject: str
+    text: str
+    path: str = ""
+    exists: bool = False
+    grave: bool = True
+
+
+@dataclass
+class Probe:
+    """What one Blender made of a file: pictures (height, width, 4) in its place and alone, or an `error` in words.
+
+    `written` names what appeared beside the copy.
+    """
+
+    blender: str
+    version: str = ""
+    error: str = ""
+    scene: str = ""
+    frame: int = 0
+    in_place: np.ndarray = None
+    alone: np.ndarray = None
+    written: list = field(default_factory=list)
+    findings: list = field(default_factory=list)
+
+    @property
+    def identical(self) -> bool:
+        """Whether both pictures are the same, bit for bit."""
+        return not self.error and self.in_place.shape == self.alone.shape and \
+            self.in_place.tobytes() == self.alone.tobytes()
+
+
+def travel(blend, blender: str, frame: int | None = None, size: int = 96, samples: int = 8) -> Probe:
+    """Render the file `blend` in its place and alone, in the `blender` given: a Python that has bpy, or an executable.
+
+    `size` is the longer side in pixels. Raises OSError for a file or program that is missing, ValueError for a size or
+    number of samples out of range; what that Blender cannot do is told by the journey's `error`.
+    """
+    blend = Path(blend).resolve()
+    if not blend.is_file():
+        raise OSError(f"no file {blend}")
+    if not 4 <= size <= 4096 or not 1 <= samples <= 1 << 16:
+        raise ValueError(f"size {size} and samples {samples} must be from 4 to 4096 and from 1 to {1 << 16}")
+    program = shutil.which(blender)
+    if program is None:
+        raise OSError(f"{blender}: no such program")
+    program = os.path.abspath(program)  # not resolved: what a virtual environment's Python is, its place says
+    journey = Probe(blender)
+    picture = {"frame": frame, "size": size, "samples": samples}
+    with tempfile.TemporaryDirectory(prefix="plausible-") as folder:
+        here, there = Path(folder) / "here", Path(folder) / _PLACE
+        here.mkdir()
+        found, journey.in_place = _run(program, here, {**picture, "blend": str(blend), "alone": False})
+        _note(journey, found)
+        if not journey.error:
+            with _copied(blend, there, journey.written) as copy:
+                found, journey.alone = _run(program, here, {**picture, "blend": str(copy), "alone": True})
+            journey.error = f"alone: {found['error']}" if "error" in found else ""
+    return journey
+
+
+def own_blender() -> str:
+    """The Blender to ask where none is named: this Python. Raises MeasureError where it has no bpy."""
+    import importlib.util
+
+    if importlib.util.find_spec("bpy") is None:
+        raise MeasureError("this Python has no bpy: name a Blender, or a Python that has it")
+    return sys.executable
+
+
+@contextlib.contextmanager
+def _copied(blend, folder, written):
+    """A copy of the file in a folder of its own that cannot be written to; what appears there goes into `written`."""
+    folder.mkdir()
+    copy = folder / blend.name
+    shutil.copyfile(blend, copy)
+    before = copy.stat().st_mtime_ns
+    copy.chmod(0o444)
+    folder.chmod(0o555)
+    try:
+        yield copy
+    finally:
+        # The administrator can write to a folder that is read-only.
+        written += [path.name for path in folder.iterdir() if path != copy or path.stat().st_mtime_ns != before]
+        folder.chmod(0o755)
+        copy.chmod(0o644)
+
+
+def _run(blender, folder, job):
+    """Have a Blender do a job of `probe`: its result and its picture, None where it made none."""
+    for name in ("result.json", "pixels.npy"):
+        (folder / name).unlink(missing_ok=True)
+    job = {**job, "result": str(folder / "result.json"), "pixels": str(folder / "pixels.npy")}
+    (folder / "job.json").write_text(json.dumps(job), encoding="utf-8")
+    # A folder that holds no more than the script, so that nothing of ours is found beside it.
+    script = folder / "script" / "probe.py"
+    script.parent.mkdir(exist_ok=True)
+    shutil.copyfile(Path(__file__).with_name("probe.py"), script)
+    with tempfile.TemporaryDirectory(prefix="plausible-profile-") as profile:
+        command = _command(blender, script, folder / "job.json", job["alone"])
+        environment = _environment(job["alone"], profile)
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace", env=environment,
+                              cwd=profile if job["alone"] else None)
+    result = {"error": "did not run"}
+    if Path(job["result"]).exists():
+        result = json.loads(Path(job["result"]).read_text(encoding="utf-8"))
+    if done.returncode or result == {"error": "did not run"}:
+        last = (done.stderr.strip() or done.stdout.strip() or "nothing").splitlines()[-1].strip()
+        result["error"] = f"{result['error']} (exit code {done.returncode}); it said last: {last}"
+    pixels = Path(job["pixels"])
+    return result, np.load(pixels) if pixels.exists() else None
+
+
+def _command(blender, script, job, alone):
+    version = subprocess.run([blender, "--version"], capture_output=True, text=True, errors="replace")
+    if version.stdout.startswith("Python"):
+        return [blender, str(script), str(job)]
+    return [blender, "--background", *(["--factory-startup"] if alone else []), "--python", str(script), "--", str(job)]
+
+
+def _environment(alone, profile):
+    """The environment of a Blender in place, or alone: without the user's profile, modules and colour configuration."""
+    environment = dict(os.environ)
+    # bpy, where this process has loaded it, names the configuration that it bundles, which no other version can read.
+    if alone or "colormanagement" in environment.get("OCIO", ""):
+        environment.pop("OCIO", None)
+    if alone:
+        for name in list(environment):
+            if name == "PYTHONPATH" or name.startswith(("BLENDER_", "CYCLES_", "OSL_")):
+                del environment[name]
+        environment["BLENDER_USER_RESOURCES"] = profile
+    return environment
+
+
+def _note(journey, found):
+    journey.error = f"in its place: {found['error']}" if "error" in found else ""
+    journey.version = found.get("version", "")
+    journey.scene, journey.frame = found.get("scene", ""), found.get("frame", 0)
+    if "scripts" in found:
+        journey.findings = [*_scripts(found["scripts"]), *_files(found), *_scenes(found)]
+
+
+def _scripts(scripts):
+    for script in scripts:
+        users = ", ".join(sorted(set(script["users"])))
+        if script["external"]:
+            yield Finding(users, f"its script is EXTERNAL, {_whereabouts(script)}; choose INTERNAL, which carries its "
+                          "bytecode", script["absolute"], script["exists"])
+        if script["empty"]:
+            yield Finding(users, "its script is INTERNAL and holds no bytecode: Blender crashes or renders black")
+        for text in script["texts"]:
+            where = f"{text['name']} is {text['path']!r}, {_whereabouts(text)}"
+            if text["identifier"].startswith("table_"):
+                words = f"{where}: {_SOCKET}; make the material with compiled tables (lut=\"compiled\")"
+            elif text["reads"]:
+                words = f"{where}: {_SOCKET}"
+            else:
+                words = f"{where}: not needed to render, as what was baked of it travels; only to bake anew"
+            yield Finding(users, words, text["absolute"], text["exists"], text["reads"])
+
+
+def _files(found):
+    scripts = {script["absolute"] for script in found["scripts"]}
+    for file in found["files"]:
+        if file["absolute"] not in scripts:
+            yield Finding(file["owner"], f"reads {file['path']!r}, {_whereabouts(file)}; pack it into the .blend, or "
+                          "send it along", file["absolute"], file["exists"])
+
+
+def _scenes(found):
+    if not found["scripts"]:
+        return
+    for scene in found["scenes"]:
+        subject = f"scene {scene['name']!r}"
+        if scene["engine"] != "CYCLES":
+            yield Finding(subject, f"renders with {scene['engine']}, which shows stand-ins; it was rendered in Cycles "
+                          "here", grave=False)
+        elif not scene["osl"]:
+            yield Finding(subject, "Open Shading Language is off: materials with a script render black")
+        if scene["device"] == "GPU":
+            yield Finding(subject, "asks for the GPU, where scripts need OptiX, and these materials more room than "
+                          "Cycles has there: set the device to CPU, as it was rendered here")
+
+
+def _whereabouts(file):
+    return "a file outside" if file["exists"] else "which is missing already"
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Of two pictures: the `largest` of any channel, and in how many `pixels` there is any.
+
+    `mean` is the mean difference of colours in parts of the first's mean colour, `coarse` that of squares of 8 x 8
+    pixels, where noise counts less, and `light` the ratio of the second's sum to the first's.
+    """
+
+    largest: float
+    pixels: int
+    mean: float
+    coarse: float
+    light: float
+
+
+def difference(first, second) -> Difference | None:
+    """The difference of two pictures (height, width, 4), in their colours and alpha; None of unlike shapes."""
+    if first.shape != second.shape:
+        return None
+    same = (first == second) | (np.isnan(first) & np.isnan(second))
+    first, second = first.astype(np.float64), second.astype(np.float64)
+    apart = np.where(same, 0.0, second - first)
+    colours = np.abs(first[..., :3]).sum()
+    parts = [np.abs(x).sum() / colours if colours else float(not same.all())
+             for x in (apart[..., :3], _squares(apart[..., :3]))]
+    return Difference(float(np.abs(apart).max()), int((~same).any(axis=-1).sum()), *map(float, parts),
+                      float(second[..., :3].sum() / colours) if colours else 1.0)
+
+
+def _squares(pixels, size=8):
+    """Sums over squares of a picture (height, width, channels); those at its upper and right edge are smaller."""
+    for axis in (0, 1):
+        pixels = np.add.reduceat(pixels, np.arange(0, pixels.shape[axis], size), axis=axis)
+    return pixels
