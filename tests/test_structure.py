@@ -196,4 +196,4 @@ def test_truth_shares_no_code_with_the_product():
     found = {(path, name) for path, name in imported_by_tests() if path.startswith("truth/")}
     assert {name for _, name in found if name.split(".")[0] in ("addon", "bpy", *SHARED)} <= {
         "addon.models", "addon.forms.albedo", "truth.quadrature"}
-    assert {path for path, name in found if name.startswith("addon")} == {"truth/literature.py", "truth/rows.py"}
+    assert {path for path, name in found if name.startswith("addon")} == {"truth/literature.py"}

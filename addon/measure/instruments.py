@@ -123,8 +123,8 @@ def across_lobe(view_deg: float, angles_deg) -> np.ndarray:
 def sphere(material, lamps=(), sky=0.0, image=None, samples=64, resolution=128, seed=0) -> Sphere:
     """Picture of a sphere of radius 1 at the origin, seen from +z; a pixel sees its centre only.
 
-    `lamps`: (kind, direction, settings) each, as `MeasuringScene.shine` takes them, e.g. ("SUN", (0, 0, 1), {"energy": 3.14,
-    "angle": 0.0}). `sky` is radiance from everywhere, or scales the equirectangular HDRI file `image`.
+    `lamps`: (kind, direction, settings) each, as `MeasuringScene.shine` takes them, e.g. ("SUN", (0, 0, 1), {"energy":
+    3.14, "angle": 0.0}). `sky` is radiance from everywhere, or scales the equirectangular HDRI file `image`.
     """
     with scene.MeasuringScene(material, scene.BALL, resolution, exact_pixels=True) as place:
         place.sky(1.0 if image is not None and np.max(sky) == 0.0 else sky, image)

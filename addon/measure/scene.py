@@ -35,7 +35,7 @@ def require_blender():
 
 
 def prepare(scene, material):
-    """Switch on in a scene what the backends of a material's nodes need. Raises MeasureError where one cannot render."""
+    """Switch on in a scene what the backends of a material's nodes need. Raises MeasureError where one cannot run."""
     for backend in set(_backends_in(material.node_tree)) if material.node_tree else ():
         for hindrance in backend.why_not():
             raise MeasureError(hindrance.text)
