@@ -39,15 +39,16 @@ CELL = (r"(if \(height > 0\.0\) \{)(?=\s+color weight = share)", "light", "vecto
 
 
 def shown(monkeypatch, model, given, place, view, size, plant=None):
-    """(directions (N, 3), NaN where nothing was drawn; what goes with them (N, 3)) of the shader of a model.
+    """(directions (N, 3), NaN where nothing was drawn; what goes with the first of them (M, 3)) of a model's shader.
 
-    `place` is one of LOBE, DISK, CELL; `view` (angle, azimuth) in degrees; `plant` a pattern and its replacement.
+    What goes with them is rendered of a tenth of the picture; with CELL it is the directions themselves. `place` is one
+    of LOBE, DISK, CELL; `view` (angle, azimuth) in degrees; `plant` a pattern and its replacement.
     """
     from addon.blender import cache
 
     pattern, light, beside, before = place
     right, pictures = source.assemble, []
-    for what in (f"0.5 + 0.5 * {light}", beside):
+    for what, rows in ((f"0.5 + 0.5 * {light}", None), (beside, size // 10))[:1 if place is CELL else 2]:
         def assemble(*arguments, what=what):
             text = right(*arguments)
             if place is CELL:  # the function that makes a splat does not know which it is
@@ -62,9 +63,10 @@ def shown(monkeypatch, model, given, place, view, size, plant=None):
         # What is compiled of a baked model is kept by its values: neither is it to be found here nor left behind.
         monkeypatch.setattr(cache, "_memory", {})
         material = create_material(model, **given)
-        pictures.append(emission.shown(material, size, side=40.0, view_deg=view[0], azimuth_deg=view[1]).reshape(-1, 3))
+        picture = emission.shown(material, size, rows=rows, side=40.0, view_deg=view[0], azimuth_deg=view[1])
+        pictures.append(picture.reshape(-1, 3))
     monkeypatch.setattr(source, "assemble", right)
-    lights, beside = pictures
+    lights, beside = pictures[0], pictures[-1]
     drawn = (lights > 0.0).any(axis=1)
     return np.where(drawn[:, None], normalize(2.0 * lights - 1.0), np.nan), beside
 
@@ -132,13 +134,14 @@ def drawn_lobe(model, given, view_deg):
 def test_lobes(monkeypatch, model, given, view_deg, everyday):
     size, cells = size_of(everyday)
     lights, beside = shown(monkeypatch, model, {**given, **MANY}, LOBE, (view_deg, 0.0), size)
-    drawn = np.isfinite(lights[:, 0])
+    known = lights[:len(beside)]
+    drawn = np.isfinite(known[:, 0])
     density, chance, count = beside[drawn].T
     pdf = drawn_lobe(model, given, view_deg)
     assert np.ptp(chance) == 0.0 and 0.0 < chance[0] <= 1.0 and 1 <= count[0] <= 8
     # Below the horizon the shader uses neither. A direction is told to 1e-7: so much of an exponent's slope.
-    used = lights[drawn, 2] > 1e-6
-    close(density[used], pdf(lights[drawn][used]), 2e-3 + 4e-7 * given["exponent"])
+    used = known[drawn, 2] > 1e-6
+    close(density[used], pdf(known[drawn][used]), 2e-3 + 4e-7 * given["exponent"])
     assert held(lights, lambda light: chance[0] * pdf(light), cells) > sidak()
 
 
@@ -218,7 +221,8 @@ def drawn_lump(projection, lump, view, steep):
 def test_lumps(monkeypatch, model, given, view, everyday):
     size, cells = size_of(everyday)
     lights, beside = shown(monkeypatch, model, {**given, **MANY}, DISK, view, size)
-    drawn = np.isfinite(lights[:, 0])
+    known = lights[:len(beside)]
+    drawn = np.isfinite(known[:, 0])
     density, chance, count = beside[drawn].T
     assert np.ptp(chance) == 0.0 and 0.05 - 1e-6 <= chance[0] <= 1.0
     steep = count[0] >= 100.0
@@ -226,8 +230,9 @@ def test_lumps(monkeypatch, model, given, view, everyday):
     projection, lump = lump_of(model, given, seen)
     pdf = drawn_lump(projection, lump, seen, steep)
     # The shaders' density is one over the lump's own disk.
-    stretch = projection.reached(np.broadcast_to(seen, lights[drawn].shape), lights[drawn])[1] / np.prod(lump.radii)
-    near = np.median(np.abs(density * stretch / np.maximum(pdf(lights[drawn]), 1e-30) - 1.0))
+    known = known[drawn]
+    stretch = projection.reached(np.broadcast_to(seen, known.shape), known)[1] / np.prod(lump.radii)
+    near = np.median(np.abs(density * stretch / np.maximum(pdf(known), 1e-30) - 1.0))
     assert near < 1e-3
     assert held(lights, lambda light: chance[0] * pdf(light), cells) > sidak()
 
@@ -319,7 +324,7 @@ def test_a_planted_error_is_found(monkeypatch, error):
     view = view if isinstance(view, tuple) else (view, 0.0)
     lights, beside = shown(monkeypatch, model, {**given, **MANY}, place, view, 500, plant)
     seen = toward(*view) if getattr(brdf.MODELS[model], "stretched", None) else toward(view[0])
-    chance = beside[np.isfinite(lights[:, 0])][0, 1]
+    chance = beside[np.isfinite(lights[:len(beside), 0])][0, 1]
     if place is CELL:
         pdf, chance = drawn_cells(weights.weights(brdf.MODELS[model], given), seen), 1.0
     elif place is LOBE:
