@@ -38,14 +38,15 @@ SHOWN = "if (k == min((int)((count) * hit_apart(P, 77.7, 0.5)), (count) - 1)) re
 
 
 def shown(monkeypatch, model, given, view, size, planted=None):
-    """(directions (N, 3), NaN where nothing was drawn; what goes with them (N, 3)) of the shader of a model.
+    """(directions (N, 3), NaN where nothing was drawn; what goes with the first of them (M, 3)) of a model's shader.
 
-    `view` (angle, azimuth) in degrees; `planted` a hook and what is in its place.
+    What goes with them is rendered of a tenth of the picture; of baked models it is the directions themselves. `view`
+    (angle, azimuth) in degrees; `planted` a hook and what is in its place.
     """
     from addon.blender.host import cache
 
-    pictures = []
-    for what in ("0.5 + 0.5 * (light)", "beside"):
+    pictures, baked = [], brdf.MODELS[model].baked
+    for what, rows in (("0.5 + 0.5 * (light)", None), ("beside", size // 10))[:1 if baked else 2]:
         with monkeypatch.context() as changed:
             changed.setitem(definitions.HOOKS, HOOK, SHOWN.format(what=what))
             if planted:
@@ -53,8 +54,9 @@ def shown(monkeypatch, model, given, view, size, planted=None):
             # What is compiled of a baked model is kept by its values: neither is it to be found here nor left behind.
             changed.setattr(cache, "_memory", {})
             material = create_material(model, **given)
-            pictures.append(emission.shown(material, size, side=40.0, view_deg=view[0], azimuth_deg=view[1]))
-    lights, beside = (picture.reshape(-1, 3) for picture in pictures)
+            picture = emission.shown(material, size, rows=rows, side=40.0, view_deg=view[0], azimuth_deg=view[1])
+            pictures.append(picture.reshape(-1, 3))
+    lights, beside = pictures[0], pictures[-1]
     drawn = (lights > 0.0).any(axis=1)
     return np.where(drawn[:, None], normalize(2.0 * lights - 1.0), np.nan), beside
 
@@ -116,13 +118,14 @@ def drawn_lobe(model, given, view_deg):
 def test_lobes(monkeypatch, model, given, view_deg, everyday):
     size, cells = size_of(everyday)
     lights, beside = shown(monkeypatch, model, {**given, **MANY}, (view_deg, 0.0), size)
-    drawn = np.isfinite(lights[:, 0])
+    known = lights[:len(beside)]
+    drawn = np.isfinite(known[:, 0])
     density, chance, count = beside[drawn].T
     pdf = drawn_lobe(model, given, view_deg)
     assert np.ptp(chance) == 0.0 and 0.0 < chance[0] <= 1.0 and 1 <= count[0] <= 8
     # Below the horizon the shader uses neither. A direction is told to 1e-7: so much of an exponent's slope.
-    used = lights[drawn, 2] > 1e-6
-    close(density[used], pdf(lights[drawn][used]), 2e-3 + 4e-7 * given["exponent"])
+    used = known[drawn, 2] > 1e-6
+    close(density[used], pdf(known[drawn][used]), 2e-3 + 4e-7 * given["exponent"])
     assert held(lights, lambda light: chance[0] * pdf(light), cells) > sidak()
 
 
@@ -202,7 +205,8 @@ def drawn_lump(projection, lump, view, steep):
 def test_lumps(monkeypatch, model, given, view, everyday):
     size, cells = size_of(everyday)
     lights, beside = shown(monkeypatch, model, {**given, **MANY}, view, size)
-    drawn = np.isfinite(lights[:, 0])
+    known = lights[:len(beside)]
+    drawn = np.isfinite(known[:, 0])
     density, chance, count = beside[drawn].T
     assert np.ptp(chance) == 0.0 and 0.05 - 1e-6 <= chance[0] <= 1.0
     steep = count[0] < 0.0
@@ -210,8 +214,9 @@ def test_lumps(monkeypatch, model, given, view, everyday):
     projection, lump = lump_of(model, given, seen)
     pdf = drawn_lump(projection, lump, seen, steep)
     # The shaders' density is one over the lump's own disk.
-    stretch = projection.reached(np.broadcast_to(seen, lights[drawn].shape), lights[drawn])[1] / np.prod(lump.radii)
-    near = np.median(np.abs(density * stretch / np.maximum(pdf(lights[drawn]), 1e-30) - 1.0))
+    known = known[drawn]
+    stretch = projection.reached(np.broadcast_to(seen, known.shape), known)[1] / np.prod(lump.radii)
+    near = np.median(np.abs(density * stretch / np.maximum(pdf(known), 1e-30) - 1.0))
     assert near < 1e-3
     assert held(lights, lambda light: chance[0] * pdf(light), cells) > sidak()
 
@@ -300,7 +305,7 @@ def test_a_planted_error_is_found(monkeypatch, error):
     view = view if isinstance(view, tuple) else (view, 0.0)
     lights, beside = shown(monkeypatch, model, {**given, **MANY}, view, 500, planted)
     seen = toward(*view) if getattr(brdf.MODELS[model], "stretched", None) else toward(view[0])
-    chance = beside[np.isfinite(lights[:, 0])][0, 1]
+    chance = beside[np.isfinite(lights[:len(beside), 0])][0, 1]
     if brdf.MODELS[model].baked:
         pdf, chance = drawn_cells(row_bake.bake(brdf.MODELS[model], given), seen), 1.0
     elif brdf.MODELS[model].base_family:

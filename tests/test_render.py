@@ -16,7 +16,7 @@ from optics.furnace import FURNACE_BOUND, FURNACE_NOISE, SIGMAS, assert_good, fu
 from optics.lamp import AREA, AREA_DIRECTION, area_lamp, gathered, lamp_points, zones_of
 from optics.plane import plane
 from optics.points import POINT_BOUND, POINT_GRAINY, POINT_NOISE, directions_of, peak_of
-from optics.sun import TOTAL_BOUND, sun_bound, sun_report
+from optics.sun import TOTAL_BOUND, select, sun_bound, sun_report
 
 from addon import brdf, create_material, measure
 from addon.measure import comparison, scene, standards
@@ -243,17 +243,25 @@ def surface_socket(material):
     return material.node_tree.get_output_node("CYCLES").inputs["Surface"]
 
 
-@pytest.mark.parametrize("view_deg", [5.0, 60.0, 85.0])
+@pytest.mark.parametrize("exponent, extreme", [
+    (1.0, {"pumps": 4.0, "control": False}), (20.0, {"pumps": 1.0}), (1e5, {"pumps": 3.0})],
+    ids=["widest", "everyday", "sharpest"])
 @pytest.mark.parametrize("model", WRITTEN)
-def test_single_samples_are_finite_and_bounded(model, view_deg):
-    for exponent, extreme in ((1.0, {"pumps": 4.0, "control": False}), (20.0, {"pumps": 1.0}), (1e5, {"pumps": 3.0})):
-        known = {p.id for p in brdf.MODELS[model].parameters}
-        chosen = {"exponent": exponent, **{k: v for k, v in extreme.items() if k in known}}
-        pixels = plane(create_material(model, **chosen), view_deg, samples=1, resolution=96)
-        assert np.isfinite(pixels).all()
-        assert pixels.max() <= LARGEST_SAMPLE, (chosen, pixels.max())
-        assert pixels.min() >= LOWEST_SAMPLE and -pixels[pixels < 0.0].sum() <= NEGATIVE_LIGHT * pixels.sum(), chosen
-        assert plane(create_material(model, **chosen), view_deg, samples=16).min() >= 0.0
+def test_single_samples_are_finite_and_bounded(model, exponent, extreme):
+    known = {p.id for p in brdf.MODELS[model].parameters}
+    chosen = {"exponent": exponent, **{k: v for k, v in extreme.items() if k in known}}
+    with scene.MeasuringScene(create_material(model, **chosen), scene.PLANE, 96) as place:
+        place.sky(1.0)
+        for view_deg in (5.0, 60.0, 85.0):
+            place.look_from(view_at(cosines([view_deg]))[0])
+            select(place, None)
+            pixels = place.render(1)
+            assert np.isfinite(pixels).all()
+            assert pixels.max() <= LARGEST_SAMPLE, (view_deg, pixels.max())
+            assert pixels.min() >= LOWEST_SAMPLE, view_deg
+            assert -pixels[pixels < 0.0].sum() <= NEGATIVE_LIGHT * pixels.sum(), view_deg
+            select(place, np.pad(np.ones((16, 16), bool), 40))
+            assert place.render(16).min() >= 0.0, view_deg
 
 
 @pytest.mark.parametrize("model, parameters", [
@@ -262,13 +270,15 @@ def test_single_samples_are_finite_and_bounded(model, view_deg):
 ], ids=name_of)
 def test_no_lamp_makes_a_sample_negative(model, parameters):
     """A sun of no size shows the closures' sum at one light, sample by sample: at none may holes outweigh the base."""
-    material = create_material(model, **parameters)
-    for view_deg in (40.0, 80.0):
-        for light in measure.in_plane([view_deg - 40.0, view_deg - 15.0, view_deg, min(view_deg + 15.0, 88.0)]):
-            pixels = plane(material, view_deg, samples=1, resolution=64, sky=0.0, arrange=lambda place, light=light:
-                           place.shine("SUN", light, energy=scene.SUN_ENERGY, angle=0.0))
+    with scene.MeasuringScene(create_material(model, **parameters), scene.PLANE, 64) as place:
+        sun = place.shine("SUN", (0.0, 0.0, 1.0), energy=scene.SUN_ENERGY, angle=0.0)
+        for view_deg in (40.0, 80.0):
+            place.look_from(view_at(cosines([view_deg]))[0])
             brightest = np.pi * peak_of(model, parameters, view_at(cosines([view_deg])))
-            assert pixels.min() >= -1e-3 * brightest, (view_deg, light, pixels.min(), brightest)
+            for light in measure.in_plane([view_deg - 40.0, view_deg - 15.0, view_deg, min(view_deg + 15.0, 88.0)]):
+                place.aim(sun, light)
+                darkest = place.render(1).min()
+                assert darkest >= -1e-3 * brightest, (view_deg, light, darkest, brightest)
 
 
 @pytest.mark.parametrize("model", WRITTEN)

@@ -48,10 +48,12 @@ class Square(scene.MeasuringScene):
             thing.location = [place + away for place in thing.location]
 
 
-def shown(subject, resolution=1000, samples=1, seed=0, **scene):
-    """The picture (resolution, resolution, 3) of a `Square`."""
+def shown(subject, resolution=1000, samples=1, seed=0, rows=None, **scene):
+    """The picture (resolution, resolution, 3) of a `Square`, or its lowest `rows` alone, the same pixels."""
     with Square(subject, resolution, **scene) as place:
-        return place.render(samples, seed)
+        if rows:
+            place.scene.render.use_border, place.scene.render.border_max_y = True, rows / resolution
+        return place.render(samples, seed)[:rows]
 
 
 def perspective(place):

@@ -6,7 +6,7 @@ from addon.measure import scene, standards
 from optics.furnace import SIGMAS
 
 SUNS = (0.0, 40.0, 65.0, 80.0)
-SUN_SAMPLES = 1024
+SUN_SAMPLES = 512
 TOTAL_BOUND, TOTAL_NOISE = 3e-3, 1.2e-3  # of the sphere's light
 
 
