@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 
 from addon.assets import LIBRARY
+from addon.backends.osl import estimator
 from addon.brdf import MODELS
 from addon.dev.packaging import assets
 from addon.library.presets import PRESETS
@@ -10,7 +11,7 @@ from addon.measure import scene
 
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
-SHOWN = {model.id: model for model in MODELS.values() if not model.baked}
+SHOWN = {model.id: model for model in MODELS.values() if not estimator.is_baked(model)}
 
 
 @pytest.fixture

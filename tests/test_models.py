@@ -11,6 +11,7 @@ from scipy import stats
 from truth import quadrature
 
 from addon import brdf
+from addon.backends.osl import estimator
 from addon.brdf import MODELS
 from addon.forms.albedo.tables import TableError
 from addon.library import metals
@@ -29,7 +30,7 @@ COLOURED = [
     {"fresnel_type": "conductor"},
 ]
 # Models of the two lobes that are powers; those of the disk have tests of their own.
-POWERS = {name: model for name, model in MODELS.items() if model.base_family}
+POWERS = {name: model for name, model in MODELS.items() if estimator.base_family(model)}
 CASES = [(model, options) for model, variants in WHITE.items() for options in variants]
 # What conserves energy: all but Blinn below one whole pump, whose albedo passes 1 (see test_pumping.py).
 CONSERVING = [(model, options) for model, options in CASES if "blinn" not in model or options.get("pumps", 0.0) >= 1.0]

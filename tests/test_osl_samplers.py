@@ -13,7 +13,7 @@ from optics.directions import toward
 from optics.names import name_of
 
 from addon import brdf, create_material
-from addon.backends.osl import definitions
+from addon.backends.osl import definitions, estimator
 from addon.forms import bells
 from addon.forms.albedo import tables
 from addon.forms.rows import layout as row_layout
@@ -45,7 +45,7 @@ def shown(monkeypatch, model, given, view, size, planted=None):
     """
     from addon.blender.host import cache
 
-    pictures, baked = [], brdf.MODELS[model].baked
+    pictures, baked = [], estimator.is_baked(brdf.MODELS[model])
     for what, rows in (("0.5 + 0.5 * (light)", None), ("beside", size // 10))[:1 if baked else 2]:
         with monkeypatch.context() as changed:
             changed.setitem(definitions.HOOKS, HOOK, SHOWN.format(what=what))
@@ -306,9 +306,9 @@ def test_a_planted_error_is_found(monkeypatch, error):
     lights, beside = shown(monkeypatch, model, {**given, **MANY}, view, 500, planted)
     seen = toward(*view) if getattr(brdf.MODELS[model], "stretched", None) else toward(view[0])
     chance = beside[np.isfinite(lights[:len(beside), 0])][0, 1]
-    if brdf.MODELS[model].baked:
+    if estimator.is_baked(brdf.MODELS[model]):
         pdf, chance = drawn_cells(row_bake.bake(brdf.MODELS[model], given), seen), 1.0
-    elif brdf.MODELS[model].base_family:
+    elif estimator.base_family(brdf.MODELS[model]):
         pdf = drawn_lobe(model, given, view[0])
     else:
         pdf = drawn_lump(*lump_of(model, given, seen), seen, False)

@@ -7,9 +7,11 @@ from pathlib import Path
 import pytest
 
 from addon import cli
+from addon.backends.osl import estimator
 from addon.brdf import MODELS
 from addon.dev.packaging import archive
 from addon.dev.pages import limits, links, manual, model_page, shown, write
+from addon.forms.albedo import tabulated
 from addon.library import presets
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -83,8 +85,8 @@ def test_a_page_says_what_is_declared(texts):
         for parameter in model.parameters:
             row = next(line for line in text.splitlines() if f"| `{parameter.id}` |" in line)
             assert parameter.help.replace("|", "\\|") in row and row.startswith(f"| {parameter.label} |")
-        assert ("It is baked" in text) == model.baked
-        assert all(f"`{name}`" in text for name in model.tables)
+        assert ("It is baked" in text) == estimator.is_baked(model)
+        assert all(f"`{name}`" in text for name in tabulated.tables_of(model))
         mine = [preset.label for preset in presets.PRESETS.values() if preset.model == model.id]
         assert all(f"**{label}**" in text for label in mine) and ("## Presets" in text) == bool(mine)
         assert texts["README.md"].count(f"[{model.label}]({model.id}.md)") == 1

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from addon import cli
+from addon.backends.osl import estimator
 from addon.brdf import MODELS
 from addon.library import presets
 from addon.library.metals import METALS
@@ -77,7 +78,7 @@ def test_groups_hold_all_presets_and_keys_stay_valid():
 
 
 def test_all_render_without_a_bake():
-    assert not any(MODELS[preset.model].baked for preset in PRESETS.values())
+    assert not any(estimator.is_baked(MODELS[preset.model]) for preset in PRESETS.values())
 
 
 @pytest.mark.parametrize("name", [name for name, preset in PRESETS.items() if preset.group == "Retroreflectors"])

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from addon import cli
-from addon.backends.osl import assembler
+from addon.backends.osl import assembler, estimator
 from addon.brdf import MODELS
 from addon.forms.rows import error as rows_error
 from addon.forms.rows import grid, layout, row_bake
 from addon.models.pumped_model import PumpedModel
 
-BAKED = [model for model in MODELS.values() if model.baked]
+BAKED = [model for model in MODELS.values() if estimator.is_baked(model)]
 
 
 def directions(count=400):

@@ -9,6 +9,7 @@ from optics.pairs import peak, until_sharp
 from optics.shapes import OTHER, PUMPED_SHAPES
 
 from addon import create_material
+from addon.backends.osl import estimator
 from addon.brdf import MODELS
 
 # What the sources and the models' descriptions say is not reciprocal: lumps by the scaling projection, sums of lumps
@@ -119,7 +120,7 @@ WRITTEN = [
 ]
 EVERYDAY = ("pumped_phong", "pumped_blinn", "reciprocal_disk")  # the others are proofs
 # A bake takes 2 to 15 seconds: what each model has in its own way is in test_render_weights.py.
-BAKED = [(name, {}) for name, model in MODELS.items() if model.baked and name != "ndf_map"]
+BAKED = [(name, {}) for name, model in MODELS.items() if estimator.is_baked(model) and name != "ndf_map"]
 # Wide lobes with kinks and of several colours, and strands, are further off: README's Limits.
 WIDER = {"lafortune": 0.05, "kajiya_kay": 0.3, "ashikhmin_shirley": 0.04}
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from addon import resources
-from addon.backends.osl import assembler, constants, definitions
+from addon.backends.osl import assembler, constants, definitions, estimator
 from addon.brdf import MODELS
 
 FILES = {path.name: path.read_text(encoding="utf-8") for path in sorted(resources.OSL.rglob("*")) if path.is_file()}
@@ -52,7 +52,7 @@ def test_what_is_written_is_what_is_declared():
     written = set()
     for model in MODELS.values():
         for lut in (assembler.COMPILED, assembler.FILE):
-            if not model.baked:
+            if not estimator.is_baked(model):
                 written |= set(assembler._definitions(model, lut))
         written |= set(assembler._signature(model))
     for macro in written - set(definitions.MODEL):

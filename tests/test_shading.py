@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from addon import resources
-from addon.backends.osl import assembler
+from addon.backends.osl import assembler, estimator
 from addon.brdf import MODELS, TableError
-from addon.forms.albedo import tables
+from addon.forms.albedo import tables, tabulated
 from addon.forms.albedo.axes import SineAxis
 from addon.forms.rows import grid, lobe_rows, row_bake
 from addon.forms.rows.layout import Layout
 
-BAKED = {name: model for name, model in MODELS.items() if model.baked}
-WRITTEN = {name: model for name, model in MODELS.items() if not model.baked}  # those with a shader of their own
-ON_BASE_LOBES = {name: model for name, model in WRITTEN.items() if model.base_family}
+BAKED = {name: model for name, model in MODELS.items() if estimator.is_baked(model)}
+WRITTEN = {name: model for name, model in MODELS.items() if not estimator.is_baked(model)}
+ON_BASE_LOBES = {name: model for name, model in WRITTEN.items() if estimator.base_family(model)}
 ON_BELLS = {name: model for name, model in WRITTEN.items() if name not in ON_BASE_LOBES}
 
 SIGNATURE = """shader MODEL(
@@ -96,7 +96,7 @@ def test_assembled_source_stands_alone(model, lut):
         assert times == 1 if f"include/{header.name}" in own else times <= 1, header.name
     assert 7 < len(own) < len(headers) and set(chosen.values()) <= set(own)
     assert text.count("#define DATA_PARAMETERS") == 1
-    assert ("#define TABLE_FILE\n" in text) == (lut == assembler.FILE and bool(model.tables))
+    assert ("#define TABLE_FILE\n" in text) == (lut == assembler.FILE and bool(tabulated.tables_of(model)))
     assert assembler.assemble(model, lut) == text
 
 
@@ -122,7 +122,7 @@ def test_compiled_source_holds_the_tables(model):
     text = assembler.assemble(model)
     assert assembler.assemble(model, assembler.COMPILED) == text
     assert ".exr" not in text
-    used = {assembler.mode_of(tables.TABLES[name]): tables.TABLES[name] for name in model.tables}
+    used = {assembler.mode_of(tables.TABLES[name]): tables.TABLES[name] for name in tabulated.tables_of(model)}
     for mode in ("plain", "controlled", "volume"):
         if mode not in used:
             assert f"AXES_{mode.upper()} Axes" not in text and f"float table_{mode}[" not in text
@@ -140,14 +140,15 @@ def test_compiled_source_holds_the_tables(model):
 @pytest.mark.parametrize("model", WRITTEN.values(), ids=list(WRITTEN))
 def test_file_source_names_the_tables(model):
     text = assembler.assemble(model, assembler.FILE)
-    for name in model.tables:
+    for name in tabulated.tables_of(model):
         table = tables.TABLES[name]
         mode = assembler.mode_of(table)
         assert f'string table_{mode} = "{table.path.as_posix()}"' in text
         assert f"float table_{mode}[" not in text.split("#define DATA_PARAMETERS")[1].split("\n")[0]
-    if not model.tables:
+    if not tabulated.tables_of(model):
         assert "string table_" not in text and ".exr" not in text
-    numbers = sum(4 * tables.TABLES[name].height * tables.TABLES[name].columns.columns for name in model.tables)
+    used = [tables.TABLES[name] for name in tabulated.tables_of(model)]
+    numbers = sum(4 * table.height * table.columns.columns for table in used)
     assert len(assembler.assemble(model)) - len(text) >= 4 * numbers  # characters that the file leaves out
 
 

@@ -15,7 +15,7 @@ import pytest
 from addon import cli
 from addon.backends.osl import assembler
 from addon.brdf import MODELS
-from addon.forms.albedo import axes, bake, sizes, tables
+from addon.forms.albedo import axes, bake, sizes, tables, tabulated
 from addon.forms.albedo.tables import TABLES, TableError
 from addon.forms.albedo.tabulated import TABULATED
 from addon.models import exr, lobes, pump_stages
@@ -129,7 +129,9 @@ def test_a_file_tells_its_axes_and_all_follow(small, monkeypatch):
     mu = table.columns.cosines(500.0)
     truth = pump_stages.albedos(lobes.PHONG, 500.0, mu, False)
     np.testing.assert_allclose(tables.albedos("phong", False, mu, 500.0), truth, rtol=2e-5)
-    text = assembler.assemble(dataclasses.replace(MODELS["pumped_phong"], tables=(SMALL.name,)))
+    model = MODELS["pumped_phong"]
+    plain = dataclasses.replace(model, parameters=tuple(p for p in model.parameters if p.id != "control"))
+    text = assembler.assemble(plain)
     assert f"Axes(12, 5.0, 0.0, 3, 0.1, 0.5, {table.stamp!r}, 0, 3, 2.0, 500.0)" in text
     with pytest.raises(TableError) as caught:
         tables.load(SMALL)
@@ -176,16 +178,16 @@ def test_exponents_beyond_a_table_are_refused(small):
 
 def test_models_say_where_they_read_tables():
     pumped, fit = MODELS["pumped_phong"], MODELS["edwards_fit"]
-    assert pumped.readings(pumped.resolve({"roughness": 0.5})) == [("phong_controlled", pytest.approx(30.0))]
-    assert pumped.readings(pumped.resolve({"control": False})) == [("phong_plain", 20.0)]
-    assert pumped.readings(pumped.resolve({"pumps": 0.0})) == MODELS["phong"].readings({}) == []
+    assert tabulated.readings(pumped, pumped.resolve({"roughness": 0.5})) == [("phong_controlled", pytest.approx(30.0))]
+    assert tabulated.readings(pumped, pumped.resolve({"control": False})) == [("phong_plain", 20.0)]
+    assert tabulated.readings(pumped, pumped.resolve({"pumps": 0.0})) == tabulated.readings(MODELS["phong"], {}) == []
     disk = MODELS["reciprocal_disk"]
-    assert disk.readings(disk.resolve({})) == [("disk_plain", 20.0)]
-    assert fit.readings(fit.resolve({})) == [("disk_volume", 50.0), ("disk_volume", 10.0)]
-    assert fit.readings(fit.resolve({"renormalize": False})) == []
+    assert tabulated.readings(disk, disk.resolve({})) == [("disk_plain", 20.0)]
+    assert tabulated.readings(fit, fit.resolve({})) == [("disk_volume", 50.0), ("disk_volume", 10.0)]
+    assert tabulated.readings(fit, fit.resolve({"renormalize": False})) == []
     for model in MODELS.values():
-        for name, _ in model.readings(model.resolve({})):
-            assert name in model.tables
+        for name, _ in tabulated.readings(model, model.resolve({})):
+            assert name in tabulated.tables_of(model)
 
 
 def test_a_volume_table_is_for_what_it_says(table_folder):

@@ -5,6 +5,7 @@ import time
 
 import numpy as np
 
+from ..backends.osl import estimator
 from ..cli import CommandError
 from ..forms.albedo import bake, sizes, tables
 from ..forms.rows import error as rows_error
@@ -109,7 +110,7 @@ def _fit_base_lobes(arguments):
 
 def _state_weights(arguments):
     model = find_model(arguments.weights)
-    if not model.baked:
+    if not estimator.is_baked(model):
         raise CommandError(f"{model.id} has a shader of its own, and nothing to bake")
     given = settings(model, arguments.assignments)
     if arguments.drive:

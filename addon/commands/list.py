@@ -2,7 +2,8 @@
 import json
 import math
 
-from ..forms.albedo import tables
+from ..backends.osl import estimator
+from ..forms.albedo import tables, tabulated
 from ..library import presets
 from ..models import MODELS, find_model
 
@@ -33,7 +34,7 @@ def run(arguments):
             span = f"{parameter.minimum:g} .. {parameter.maximum:g}" if math.isfinite(parameter.maximum) else ""
             choice = " | ".join(item[0] for item in parameter.items)
             print(f"    {parameter.id:14} {parameter.kind:6} {choice or span:36} default {parameter.default}")
-        for name in model.tables:
+        for name in tabulated.tables_of(model):
             print(f"    table {tables.TABLES[name].path}")
         for reference in model.references:
             print(f"    source: {reference}")
@@ -48,7 +49,7 @@ def _print_presets(models):
             continue
         print(group)
         for key, preset in shown.items():
-            print(f"  {key:20} {preset.label:26} {preset.model}{', baked' * MODELS[preset.model].baked}")
+            print(f"  {key:20} {preset.label:26} {preset.model}{', baked' * estimator.is_baked(MODELS[preset.model])}")
             print(f"    {preset.help}")
         print()
 
@@ -62,7 +63,7 @@ def _print_presets_as_json(models):
 def _as_json(model):
     return {
         "id": model.id, "label": model.label, "description": model.description, "formula": model.formula,
-        "references": model.references, "tables": model.tables,
+        "references": model.references, "tables": tabulated.tables_of(model),
         "parameters": [
             {"id": p.id, "label": p.label, "kind": p.kind, "default": p.default, "help": p.help,
              "minimum": p.minimum if math.isfinite(p.minimum) else None,

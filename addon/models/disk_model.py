@@ -70,10 +70,6 @@ class DiskModel(Model):
             found.append((share, lump))
         return found
 
-    def readings(self, p) -> list:
-        """See `Model`."""
-        return [(name, p[rule.exponent]) for rule in self.lumps if p.get("renormalize") for name in self.tables]
-
     def is_held(self, p) -> bool:
         """Whether a lump is shrunk already at normal incidence, or becomes so when seen from 60 degrees."""
         return any(max(p[name] for name in rule.radii) > (1.0 if rule.retro else disk.room(0.5))
@@ -138,14 +134,6 @@ class DiskModel(Model):
                 total = total + chance * lump.density(point) * density
         return total
 
-    def stand_in(self, p: dict):
-        """(colour (3,), exponent of a half-vector power, metallic 0..1) of what looks alike: for other engines."""
-        rule = self.lumps[0]
-        radius = min(max(p[name] for name in rule.radii), 1.0)
-        colour = np.asarray(p["base_color"])
-        if "diffuse_color" in p and colour.max() < 0.2:
-            return np.asarray(p["diffuse_color"]), 2.0 * p[rule.exponent] / radius**2, 0.0
-        return colour, 2.0 * p[rule.exponent] / radius**2, 1.0
 
 
 def _above(view):

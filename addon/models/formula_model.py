@@ -35,8 +35,6 @@ class FormulaModel(Model):
     mirrored: object = None
     spike: object = None
 
-    baked = True
-
     def _value(self, view, light, p):
         value = self.lobe(view, light, p)
         colour = self.colour and self.colour(view, light, p)
@@ -72,12 +70,6 @@ class FormulaModel(Model):
     def _pdf(self, view, light, p):
         return self.sampler(p).pdf(view, light)
 
-    def stand_in(self, p: dict):
-        """(colour (3,), exponent of a half-vector power, metallic 0..1) of what looks alike: for other engines."""
-        diffuse = np.asarray(p.get("diffuse_color", (0.0, 0.0, 0.0)))
-        colour = np.asarray(p.get("base_color", (1.0, 1.0, 1.0)))
-        metallic = float(colour.max() >= diffuse.max())
-        return colour if metallic else diffuse, 2.0 / self.width(p) ** 2, metallic
 
 
 def constant(view, light, p):

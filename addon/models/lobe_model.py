@@ -6,7 +6,6 @@ import numpy as np
 from . import fresnel, pumping
 from .albedos import INTEGRATED, Albedos
 from .geometry import dot, half
-from .lobes import DISK
 from .parameters import exponent_of_roughness
 from .quadrature import meridians
 from .registry import Model
@@ -28,11 +27,6 @@ class LobeModel(Model):
         """See `Model`."""
         return replace(self, albedos=albedos)
 
-    @property
-    def base_family(self):
-        """See `Model`."""
-        return None if self.lobe is DISK else self.lobe.id
-
     def resolve(self, given: dict) -> dict:
         """All parameters checked and completed with defaults; `exponent` follows `roughness` where that is used."""
         values = super().resolve(given)
@@ -44,12 +38,6 @@ class LobeModel(Model):
         if values["use_roughness"]:
             values["exponent"] = exponent_of_roughness(values["roughness"])
         return values
-
-    def readings(self, p) -> list:
-        """See `Model`."""
-        if self.correction != "pumped" or p["pumps"] == 0.0:
-            return []
-        return [(f"{self.lobe.id}_{'controlled' if p.get('control') else 'plain'}", p["exponent"])]
 
     def _value(self, view, light, p):
         value = self.lobe.value(view, light, p["exponent"]) / self._correction(view[:, 2], light[:, 2], p)
@@ -86,8 +74,3 @@ class LobeModel(Model):
 
     def _factor(self, view_dot_half, p):
         return fresnel.factor(p["fresnel_type"], view_dot_half, p["base_color"], p["f90"], p["ior"], p["extinction"])
-
-    def stand_in(self, p: dict):
-        """(colour (3,), exponent of a half-vector power, metallic 0..1) of what looks alike: for other engines."""
-        colour = fresnel.factor(p["fresnel_type"], [1.0], p["base_color"], p["f90"], p["ior"], p["extinction"])[0]
-        return colour, self.lobe.half_vector_exponent(p["exponent"]), 1.0

@@ -60,7 +60,7 @@ def pumped(base: FormulaModel) -> PumpedModel:
     parameters = tuple(q for q in shape if q.evaluated) + PUMPING + estimator
     return PumpedModel(
         id=f"pumped_{base.id}", label=f"Pumped {base.label}", description=f"{base.label} divided by its own albedo: "
-        "energy-conserving, and bright to grazing angles", parameters=parameters, tables=(),
+        "energy-conserving, and bright to grazing angles", parameters=parameters,
         formula=f"[{base.formula}] / D", references=(*base.references, f"{pumping.NEUMANN}, eq. 16, 20, 21"),
         lobe=lambda view, light, p: base.lobe(view, light, p) / _correction(base, view, light, p),
         sampler=lambda p: base.sampler({**p, "diffuse_color": (0.0, 0.0, 0.0)}), width=base.width, shape=base.shape,

@@ -12,7 +12,7 @@ MODELS = {}
 
 @dataclass(frozen=True)
 class Model:
-    """A reflectance model as declared: names, parameters, the tables that it reads, formula and sources.
+    """A reflectance model as declared: names, parameters, formula and sources.
 
     The subclasses `LobeModel` and `DiskModel` say what it computes. All methods take the model's parameters by id and
     raise ValueError that names what is wrong. `shape` names the parameter that widens or narrows the lobe, None where
@@ -24,19 +24,11 @@ class Model:
     label: str
     description: str
     parameters: tuple
-    tables: tuple
     formula: str
     references: tuple
     shape: str = field(default="exponent", kw_only=True)
     alongside: tuple = field(default=(), kw_only=True)
     bases: tuple = field(default=(), kw_only=True)
-
-    baked = False  # whether it renders by weights that are baked for its parameters (see FormulaModel)
-
-    @property
-    def base_family(self):
-        """The family of base lobes that its shader uses, see baking/base_lobes; None where it uses bells on disks."""
-        return None
 
     @property
     def axes(self) -> tuple:
@@ -62,10 +54,6 @@ class Model:
         for name, value in given.items():
             values[name] = self.parameter(name).check(value)
         return values
-
-    def readings(self, p) -> list:
-        """[(name of a table, exponent that it is read at)] for resolved parameters, where a table is read."""
-        return []
 
     def with_albedos(self, albedos) -> "Model":
         """This model with other albedos to divide by, see albedos.py; itself where it divides by none.

@@ -5,8 +5,10 @@ from functools import lru_cache
 import numpy as np
 
 from ... import models
+from ...models.formula_model import FormulaModel
 from ...models.registry import Model
 from . import principled_fit
+from .appearance import appearance
 from .principled_bsdf import Inputs
 
 
@@ -39,10 +41,10 @@ def _stamps(model, values):
 def _parts(model, text, _):
     values = model.resolve({key: tuple(value) if isinstance(value, list) else value
                             for key, value in json.loads(text).items()})
-    if model.baked:
+    if isinstance(model, FormulaModel):
         evaluated = {p.id: values[p.id] for p in model.parameters if p.evaluated}
         return [(np.ones_like, principled_fit.fit(model, evaluated))]
-    color, exponent, _ = model.stand_in(values)
+    color, exponent, _ = appearance(model, values)
     if "diffuse_color" in values:
         color = np.asarray(values["base_color"])
     color = np.clip(color, 0.0, 1.0)

@@ -15,9 +15,10 @@ from ...models import quadrature
 from ...models.channels import rgb
 from ...models.geometry import dot, half, reflect, view_at
 from . import principled_bsdf as bsdf
+from .appearance import appearance
 
 VIEWS = (0.0, 30.0, 60.0)  # degrees
-# By model: the roughness fitted over roughness_of_exponent of what the model's `stand_in` gives, for nodes, which can
+# By model: the roughness fitted over roughness_of_exponent of the model's `appearance`, for nodes, which can
 # do no more than multiply by it. Between exponents of 10 and 3000 it is right to 12 %, in most models to 5 %. Found by
 # `plausible match --native --from MODEL --set exponent=N`.
 ROUGHNESS_FACTORS = {
@@ -137,7 +138,7 @@ class _Target:
 def _narrowest(model, values, ratio):
     """About the root mean square slope of the half vectors of the narrowest lobe, across what stretches it."""
     if not hasattr(model, "lumps"):
-        width = np.sqrt(2.0 / max(model.stand_in(values)[1], 1e-9))
+        width = np.sqrt(2.0 / max(appearance(model, values)[1], 1e-9))
     else:
         lumps = [lump for lump in model.lumps if not lump.retro or values[lump.share] > 0.0]
         width = ratio * min(max(values[name] for name in lump.radii) / np.sqrt(max(values[lump.exponent], 1e-9))

@@ -8,11 +8,11 @@ import numpy as np
 
 from ... import resources
 from ...forms import bells, closures
-from ...forms.albedo import tables
+from ...forms.albedo import tables, tabulated
 from ...forms.albedo.axes import SineAxis
 from ...forms.rows import grid, lobe_rows
 from ...models import images
-from . import constants, definitions
+from . import constants, definitions, estimator
 
 _INCLUDE = re.compile(r'^#include (?:"([^"]+)"|(\w+))\n', re.MULTILINE)
 COMPILED, FILE = "compiled", "file"
@@ -21,9 +21,9 @@ _written = {}  # name of a table -> (its nodes, what is written of them): writin
 
 def shader_path(model) -> Path:
     """The .osl file of a model: of those that differ in what is included or defined alone, it is the same."""
-    if model.baked:
+    if estimator.is_baked(model):
         name = "weights"
-    elif model.base_family:
+    elif estimator.base_family(model):
         name = "lobe"
     else:
         name = "lump" if len(getattr(model, "lumps", ())) == 1 else model.id
@@ -32,7 +32,7 @@ def shader_path(model) -> Path:
 
 def chosen_headers(model) -> dict:
     """{macro: file} of the headers that a shader leaves to the model's declaration."""
-    if not model.base_family:
+    if not estimator.base_family(model):
         return {}
     return {"LOBE_HEADER": f"include/lobe_{model.lobe.id}.h",
             "CORRECTION_HEADER": f"include/correction_{model.correction}.h"}
@@ -60,7 +60,7 @@ def assemble(model, lut: str = COMPILED, parameters: dict | None = None, driven:
     if lut not in (COMPILED, FILE):
         raise ValueError(f"lut: {lut!r} is not one of {COMPILED}, {FILE}")
     text = _flattened(shader_path(model), chosen_headers(model), set())
-    if model.baked:
+    if estimator.is_baked(model):
         own = _weights(model, parameters or {}, baked or grid.bake(model, parameters or {}, driven))
     else:
         own = _definitions(model, lut)
@@ -73,7 +73,7 @@ def assemble(model, lut: str = COMPILED, parameters: dict | None = None, driven:
 
 def spans(model) -> dict:
     """{name of a table: (least, largest) exponent}: what a shader that is assembled now can be read at."""
-    return {name: _in_use(name, FILE).span for name in model.tables}
+    return {name: _in_use(name, FILE).span for name in tabulated.tables_of(model)}
 
 
 def mode_of(table) -> str:
@@ -133,15 +133,15 @@ def _signature(model) -> dict:
 def _definitions(model, lut) -> dict:
     """Macros of a model with a shader of its own: what its declaration chooses, and DATA_PARAMETERS, arrays with their
     values."""
-    macros, parameters = _base(model.base_family) if model.base_family else _bells()
+    macros, parameters = _base(estimator.base_family(model)) if estimator.base_family(model) else _bells()
     macros, parameters = macros | _disk(model), list(parameters)
-    for table in (_in_use(name, lut) for name in model.tables):
+    for table in (_in_use(name, lut) for name in tabulated.tables_of(model)):
         mode = mode_of(table)
         parameters.append(_table_parameter(table, mode, lut))
         macros |= _axes(table, mode.upper(), lut)
         if mode == "volume":
             macros["VOLUME_LAYERS"] = table.layers
-    if lut == FILE and model.tables:
+    if lut == FILE and tabulated.tables_of(model):
         macros["TABLE_FILE"] = ""
     return macros | {"DATA_PARAMETERS": ", ".join(parameters)}
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import bpy
 
-from ...backends.osl import assembler
-from ...forms.albedo import tables
+from ...backends.osl import assembler, estimator
+from ...forms.albedo import tables, tabulated
 from ...forms.rows import grid, row_bake
 from ..host import cache, table_folder
 from ..host.translation import say
@@ -82,7 +82,7 @@ class Osl:
 
     def follows_sockets(self, model) -> bool:
         """See `Backend`: models with a shader of their own do; others have rows for their values."""
-        return not model.baked
+        return not estimator.is_baked(model)
 
     def can_share(self, model) -> bool:
         """See `Backend`: a shader that reads table files names them inside the group."""
@@ -90,7 +90,7 @@ class Osl:
 
     def check(self, model, values):
         """See `Backend`. Raises brdf.TableError where a table is missing, or not baked for an exponent."""
-        for table, exponent in model.readings(values) if self.lut == assembler.COMPILED else ():
+        for table, exponent in tabulated.readings(model, values) if self.lut == assembler.COMPILED else ():
             tables.require(table, exponent)
 
     def program(self, model, values=None, ranges=None) -> Program:
@@ -123,7 +123,7 @@ class Osl:
             socket.default_value = stored(socket, parameter.default)
             if parameter.id in inputs:
                 group.links.new(inputs[parameter.id], socket)
-        for name in model.tables if self.lut == assembler.FILE else ():
+        for name in tabulated.tables_of(model) if self.lut == assembler.FILE else ():
             table = tables.TABLES[name]
             mode = assembler.mode_of(table)
             socket = script.inputs.new("NodeSocketString", f"Table ({mode})", identifier=f"table_{mode}")
@@ -210,7 +210,7 @@ def supports_osl(scene) -> bool:
 
 def _beyond(model, values, spans):
     """The notice for an exponent that the tables in a material's shader are not baked for, or None."""
-    for name, exponent in model.readings(model.resolve(values)):
+    for name, exponent in tabulated.readings(model, model.resolve(values)):
         span = spans.get(name)
         if span is None or tables.covers(span, exponent):
             continue
@@ -291,7 +291,7 @@ def _entry_of(inside):
 def table_files(group, model) -> dict:
     """{table: path} of the files that a group's shader reads its tables from; {} where they are compiled in."""
     script = script_in(group)
-    modes = {f"table_{assembler.mode_of(tables.TABLES[name])}": name for name in model.tables}
+    modes = {f"table_{assembler.mode_of(tables.TABLES[name])}": name for name in tabulated.tables_of(model)}
     return {modes[s.identifier]: Path(bpy.path.abspath(s.default_value)) for s in (script.inputs if script else ())
             if s.identifier in modes and s.type == "STRING"}
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from ...backends.nodes import fallback, principled_fit
 from ...models.disk_model import DiskModel
+from ...models.formula_model import FormulaModel
 from ..host.translation import say
 from .node_builder import Nodes
 from .protocol import MODEL_KEY, STAND_IN, Cure, Notice, Program, text_of
@@ -61,7 +62,7 @@ class PrincipledFit:
 
     def follows_sockets(self, model) -> bool:
         """See `Backend`."""
-        return not model.baked
+        return not isinstance(model, FormulaModel)
 
     def can_share(self, model) -> bool:
         """See `Backend`."""

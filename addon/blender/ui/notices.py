@@ -1,7 +1,7 @@
 """What stands between a material and its picture, in words, and the button that mends it."""
 import bpy
 
-from ...forms.albedo import tables
+from ...forms.albedo import tables, tabulated
 from .. import backend as backends
 from ..backend import Cure, Notice
 from ..backend.osl import GET_BLENDER
@@ -68,6 +68,6 @@ def _edited(material):
 
 def _tables(node):
     model = None if node is None else groups.model_of(node)
-    text = table_folder.problem(tables.TABLES if model is None else model.tables)
+    text = table_folder.problem(tables.TABLES if model is None else tabulated.tables_of(model))
     models = {} if model is None else {"models": {model.id}}
     return Notice(text, (Cure("plausible.choose_bake", "Bake LUTs", models),)) if text else None

@@ -3,6 +3,7 @@ import textwrap
 
 import bpy
 
+from ...forms.albedo import tabulated
 from ...models.disk_model import DiskModel
 from ...models.parameters import COLOR, LOBE, RETROREFLECTION
 from .. import backend as backends
@@ -274,11 +275,11 @@ class _Tables(Face):
 
     @classmethod
     def poll(cls, context):
-        return super().poll(context) and bool(plausible_node(material_of(context))[1].tables)
+        return super().poll(context) and bool(tabulated.tables_of(plausible_node(material_of(context))[1]))
 
     def draw(self, context):
         layout, model = self.layout, plausible_node(material_of(context))[1]
-        draw_tables(layout, context, model.tables)
+        draw_tables(layout, context, tabulated.tables_of(model))
         draw_bake(layout, {model.id})
         layout.operator("plausible.update_materials", icon="FILE_REFRESH")
         job = table_job.job

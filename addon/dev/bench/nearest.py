@@ -1,5 +1,6 @@
 """What a model is measured beside: the closure of Cycles that comes nearest, and its own base alone."""
-from ...backends.osl import assembler
+from ...backends.nodes.appearance import appearance
+from ...backends.osl import assembler, estimator
 from ...measure import specimen, standards
 from .efficiency import Candidate
 
@@ -10,11 +11,11 @@ def natives(model, values) -> list:
     They have the model's exponent where Cycles has the lobe, and else are as wide at normal incidence. Cycles has no
     node for phong_ramp: Beckmann's microfacets stand beside it.
     """
-    exponent = model.stand_in(values)[1]
+    exponent = appearance(model, values)[1]
     alpha = min(float(2.0 / (exponent + 2.0)) ** 0.5, 1.0)
-    if model.base_family == "phong":
+    if estimator.base_family(model) == "phong":
         closure, distribution = standards.phong(values["exponent"]), "BECKMANN"
-    elif model.base_family == "blinn":
+    elif estimator.base_family(model) == "blinn":
         closure, distribution = standards.ashikhmin_shirley(values["exponent"]), "ASHIKHMIN_SHIRLEY"
     else:
         closure, distribution = standards.microfacet("beckmann", alpha), "BECKMANN"

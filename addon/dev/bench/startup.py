@@ -4,7 +4,7 @@ import time
 import numpy as np
 
 from ... import brdf
-from ...backends.osl import assembler
+from ...backends.osl import assembler, estimator
 from ...measure import plots, scene, specimen
 from . import nearest
 from .clock import milliseconds
@@ -23,7 +23,7 @@ def measure(effort, progress, models=None) -> dict:
     for i, model in enumerate(chosen):
         began = time.process_time()
         mine = specimen.of_model(model.id)
-        bake = time.process_time() - began if model.baked else None
+        bake = time.process_time() - began if estimator.is_baked(model) else None
         text = assembler.assemble(model)
         closure, _ = nearest.natives(model, model.resolve({}))
         first = {name: _first_pixel(material, effort.repeats)

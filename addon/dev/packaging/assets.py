@@ -6,6 +6,7 @@ import uuid
 from pathlib import Path
 
 from ...assets import LIBRARY, preview
+from ...backends.osl import estimator
 from ...forms import files
 from ...library.presets import PRESETS
 from ...models import MODELS
@@ -25,7 +26,7 @@ def build(folder: Path = LIBRARY.parent, progress=lambda done, total: None) -> P
     from ...blender.material import groups, materials
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    shown = [model for model in MODELS.values() if not model.baked]  # the others are baked for each use
+    shown = [model for model in MODELS.values() if not estimator.is_baked(model)]  # the others are baked for each use
     total, made = len(PRESETS) + len(shown), set()
     for key, preset in PRESETS.items():
         material = materials.create_material(preset.model, preset.label, **preset.parameters)
@@ -48,7 +49,7 @@ def build(folder: Path = LIBRARY.parent, progress=lambda done, total: None) -> P
 
 def missing_previews() -> list:
     """Presets and models that have no thumbnail, by id."""
-    keys = [*PRESETS, *(model.id for model in MODELS.values() if not model.baked)]
+    keys = [*PRESETS, *(model.id for model in MODELS.values() if not estimator.is_baked(model))]
     return [key for key in keys if not preview(key).is_file()]
 
 

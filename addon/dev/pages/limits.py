@@ -1,5 +1,7 @@
 """What README's Limits say of a model: its page quotes them, so that they are written once."""
 
+from ...backends.osl import estimator
+from ...forms.albedo import tabulated
 from ...models.disk_model import DiskModel
 from ...models.lobes import DISK
 from ...resources import ROOT
@@ -14,15 +16,15 @@ def made_of_lumps(model):
 
 # How an entry begins, and which models it is about. All others are about every model.
 _ABOUT = {
-    "A lamp of no size": lambda model: model.base_family is not None and not model.baked,
-    "The fitted base ends below zero": lambda model: model.base_family == "blinn",
+    "A lamp of no size": lambda model: estimator.base_family(model) is not None and not estimator.is_baked(model),
+    "The fitted base ends below zero": lambda model: estimator.base_family(model) == "blinn",
     "Super-metals": lambda model: model.id == "pumped_blinn",
     "A pumped material takes": lambda model: model.id in ("pumped_phong", "pumped_blinn"),
     "Lumps:": made_of_lumps,
     "Lumps narrower": made_of_lumps,
-    "Materials carry the tables": lambda model: bool(model.tables),
-    "Models that are baked": lambda model: model.baked,
-    "Pumped formulas": lambda model: model.baked and model.id.startswith("pumped_"),
+    "Materials carry the tables": lambda model: bool(tabulated.tables_of(model)),
+    "Models that are baked": lambda model: estimator.is_baked(model),
+    "Pumped formulas": lambda model: estimator.is_baked(model) and model.id.startswith("pumped_"),
     "NDF maps": lambda model: model.id == "ndf_map",
 }
 

@@ -3,6 +3,8 @@ import math
 import textwrap
 
 from ... import brdf
+from ...backends.osl import estimator
+from ...forms.albedo import tabulated
 from ...library.presets import PRESETS
 from ...models.pumped_model import PumpedModel
 from ..compare import properties
@@ -15,10 +17,10 @@ _MADE_BY = "<!-- Made by `plausible docs` from the registry: edit what is declar
 # Heading, what stands below it, and which models are under it: each under one.
 _GROUPS = (
     ("Phong and Blinn", "After Neumann, Neumann and Szirmay-Kalos: with shaders of their own.",
-     lambda model: not model.baked and not made_of_lumps(model)),
+     lambda model: not estimator.is_baked(model) and not made_of_lumps(model)),
     ("Lumps on the halfway vector disk", "After Edwards et al.: with shaders of their own.", made_of_lumps),
     ("Models of the literature", "Formulas in NumPy, baked for the values of their parameters.",
-     lambda model: model.baked and not isinstance(model, PumpedModel)),
+     lambda model: estimator.is_baked(model) and not isinstance(model, PumpedModel)),
     ("Models of the literature, pumped up", "Divided by their own albedo, and baked for the values of parameters.",
      lambda model: isinstance(model, PumpedModel)),
 )
@@ -145,15 +147,15 @@ def _peak(shift, light):
 
 
 def _rendered(model):
-    if model.baked:
+    if estimator.is_baked(model):
         return _wrapped(
             "It is baked: for the values of its parameters, in seconds, into weights that the material carries. A "
             "material whose values are not those of its weights renders striped; the panel bakes anew when values have "
             "rested. What is linked, driven or keyframed is baked over a range, in steps. Directions and what is under "
             "*Sampling* follow links without that.")
     words = "It has a shader of its own: every parameter may be linked, driven and keyframed."
-    if model.tables:
-        names = ", ".join(f"`{name}`" for name in model.tables)
+    if tabulated.tables_of(model):
+        names = ", ".join(f"`{name}`" for name in tabulated.tables_of(model))
         words += f" It reads the albedo tables {names}, which are compiled into the material."
     return _wrapped(words)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ...models import MODELS, find_model
 from ...models.errors import ParameterError
 from ...models.parameters import MAX_EXPONENT, MIN_EXPONENT
-from . import tables
+from . import tables, tabulated
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ def bound(resolution: str, standard: float) -> float:
 
 def readers() -> list:
     """The models that read tables."""
-    return [model for model in MODELS.values() if model.tables]
+    return [model for model in MODELS.values() if tabulated.tables_of(model)]
 
 
 def tables_of(model_ids) -> list:
@@ -90,9 +90,9 @@ def tables_of(model_ids) -> list:
     names = []
     for model_id in model_ids:
         model = find_model(model_id)
-        if not model.tables:
+        if not tabulated.tables_of(model):
             raise ValueError(f"{model_id} reads no table; those that do are {', '.join(m.id for m in readers())}")
-        names += model.tables
+        names += tabulated.tables_of(model)
     return list(dict.fromkeys(names))
 
 

@@ -38,7 +38,7 @@ def make_sampler(p):
 register(FormulaModel(
     id="ashikhmin_shirley", label="Ashikhmin-Shirley",
     description="An anisotropic power of the half vector with Fresnel's factor, over a diffuse part: conserves energy",
-    parameters=POWERS + SPECULAR + DIFFUSE + TANGENT + ESTIMATOR, tables=(),
+    parameters=POWERS + SPECULAR + DIFFUSE + TANGENT + ESTIMATOR,
     formula="√((n_u+1)(n_v+1)) F (N·H)^(n_u cos²φ + n_v sin²φ) / (8π V·H max(N·L, N·V)) + diffuse",
     references=(ASHIKHMIN + ", eq. 4, 5",),
     lobe=lobe, sampler=make_sampler, width=lambda p: np.sqrt(2.0 / max(p["exponent_u"], p["exponent_v"])),

@@ -13,21 +13,21 @@ EDWARDS = ("Edwards, Boulos, Johnson, Shirley, Ashikhmin, Stark, Wyman, The half
 register(DiskModel(
     id="disk_scaling", label="Disk Lump",
     description="A lump on the halfway vector disk: no light lost at any angle, off-specular peaks; not reciprocal",
-    parameters=LUMP + ROTATION + EDGE + TANGENT + ESTIMATOR, tables=(),
+    parameters=LUMP + ROTATION + EDGE + TANGENT + ESTIMATOR,
     projection=SCALING, lumps=(LumpRule("exponent", ("radius_u", "radius_v")),),
     formula="F p(h) (N·V)² / (4 (N·L)(L·H)(N·H)³), h = (N·V)/(N·H) H", references=(EDWARDS + ", eq. 20, 27",),
 ))
 register(DiskModel(
     id="disk_orthogonal", label="Disk Lump, Orthogonal",
     description="A lump on the disk by the orthogonal projection: narrower, and loses what leaves the disk at grazing",
-    parameters=LUMP + ROTATION + EDGE + TANGENT + ESTIMATOR, tables=(),
+    parameters=LUMP + ROTATION + EDGE + TANGENT + ESTIMATOR,
     projection=ORTHOGONAL, lumps=(LumpRule("exponent", ("radius_u", "radius_v"), held=False),),
     formula="F p(h) |V+L|² / (4 (L·H)²), h in-plane part of V+L", references=(EDWARDS + ", eq. 24, 27",),
 ))
 register(DiskModel(
     id="edwards_empirical", label="Edwards Empirical",
     description="Diffuse, specular and retroreflective at once, conserving energy: brushed metal, paint, road signs",
-    parameters=EMPIRICAL + ROTATION + TANGENT + ESTIMATOR, tables=(),
+    parameters=EMPIRICAL + ROTATION + TANGENT + ESTIMATOR,
     projection=SCALING,
     lumps=(LumpRule("exponent", ("radius_u", "radius_v"), "grazing_exponent", share="retro", rest=True),
            LumpRule("retro_exponent", ("retro_radius_u", "retro_radius_v"), "retro_grazing_exponent", retro=True,
@@ -38,7 +38,7 @@ register(DiskModel(
 register(DiskModel(
     id="edwards_fit", label="Edwards Data Fit",
     description="Two specular lumps by the orthogonal projection, to fit measured data; renormalized it loses no light",
-    parameters=DATA_FIT + ESTIMATOR, tables=("disk_volume",),
+    parameters=DATA_FIT + ESTIMATOR,
     projection=ORTHOGONAL,
     lumps=(LumpRule("exponent", ("radius",), held=False, share="blend", rest=True),
            LumpRule("second_exponent", ("second_radius",), held=False, share="blend")),
@@ -48,6 +48,6 @@ register(DiskModel(
 register(LobeModel(
     id="reciprocal_disk", label="Reciprocal Disk",
     description="The disk's lump made reciprocal by a geometric mean, and pumped up by its own albedo",
-    lobe=DISK, correction="pumped", parameters=SHAPE + PUMPING[:1] + COLOUR + ESTIMATOR, tables=("disk_plain",),
+    lobe=DISK, correction="pumped", parameters=SHAPE + PUMPING[:1] + COLOUR + ESTIMATOR,
     formula="√(f(V,L) f(L,V)) / D, f the disk lump's", references=(EDWARDS + ", eq. 20, 26", NEUMANN + ", eq. 16, 20"),
 ))

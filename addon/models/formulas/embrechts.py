@@ -25,7 +25,7 @@ def lobe(view, light, p):
 register(FormulaModel(
     id="embrechts", label="Embrechts",
     description="Beckmann-like scattering with masking by the roughness itself, from lighting engineering",
-    parameters=SMOOTHNESS + COLOUR + DIFFUSE + ESTIMATOR, tables=(),
+    parameters=SMOOTHNESS + COLOUR + DIFFUSE + ESTIMATOR,
     formula="a_sc F C exp(-s² tan²β) / (N·L N·V cos⁴β)", references=(EMBRECHTS, SAWICKI + ", eq. 7"),
     lobe=lobe, sampler=lambda p: with_cosine(HalfBeckmann(1.0 / p["smoothness"], 1.0 / p["smoothness"]), p),
     width=lambda p: 1.0 / p["smoothness"], shape="smoothness", colour=factor, diffuse=lambert))

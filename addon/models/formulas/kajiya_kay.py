@@ -31,7 +31,7 @@ def diffuse(view, light, p):
 register(FormulaModel(
     id="kajiya_kay", label="Kajiya-Kay",
     description="Strands along the tangent: bright cones of light, dark where the surface turns away; not reciprocal",
-    parameters=EXPONENT + NORMALIZE + SPECULAR + DIFFUSE + TANGENT + ESTIMATOR, tables=(),
+    parameters=EXPONENT + NORMALIZE + SPECULAR + DIFFUSE + TANGENT + ESTIMATOR,
     formula="(c_diff/π + c_spec (m+2)/(2π) cos^m α_r) cosθ'_i / N·L", references=(KAJIYA, RTR + ", eq. 7.50"),
     lobe=lobe, sampler=lambda p: Cosine(), width=lambda p: np.sqrt(0.5 / p["exponent"]), shape="exponent",
     colour=constant, diffuse=diffuse, symmetric=False,

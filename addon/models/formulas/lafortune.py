@@ -42,7 +42,7 @@ register(FormulaModel(
     id="lafortune", label="Lafortune",
     description="Three cosine lobes about stretched mirror directions: off-specular, retroreflective, for measured "
     "data",
-    parameters=COSINE_LOBES + SPECULAR + DIFFUSE + ESTIMATOR, tables=(),
+    parameters=COSINE_LOBES + SPECULAR + DIFFUSE + ESTIMATOR,
     formula="ρ_d/π + Σ w (n+2)/(2π) (C_xy (V_x L_x + V_y L_y) + C_z V_z L_z)^n", references=(LAFORTUNE,),
     lobe=lobe, sampler=make_sampler, width=width, shape="exponent_1", alongside=("exponent_2", "exponent_3"),
     bases=tuple(f"{c}_{i}" for i in (1, 2, 3) for c in ("cxy", "cz")), colour=constant, diffuse=lambert))

@@ -47,7 +47,7 @@ class NdfMapModel(FormulaModel):
 register(NdfMapModel(
     id="ndf_map", label="NDF Map",
     description="A highlight painted as an image of its half vectors: reciprocal, and conserves energy",
-    parameters=IMAGE + COLOUR + DIFFUSE + TANGENT + ESTIMATOR, tables=(),
+    parameters=IMAGE + COLOUR + DIFFUSE + TANGENT + ESTIMATOR,
     formula="p(H) F / (4 V·H max(N·L, N·V)) + diffuse, p(H) the image over its integral",
     references=(GENERATOR, ASHIKHMIN + ", eq. 4", RTR + ", p. 258 (NDF mapping)"),
     lobe=lobe, sampler=lambda p: with_cosine(distribution(p).sampler, p), width=lambda p: distribution(p).slope,

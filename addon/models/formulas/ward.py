@@ -52,7 +52,7 @@ def narrow(p):
 def declare(model_id, label, description, lobe, formula, references):
     return register(FormulaModel(
         id=model_id, label=label, description=description, parameters=SLOPES + SPECULAR + DIFFUSE + TANGENT + ESTIMATOR,
-        tables=(), formula=formula, references=references, lobe=lobe, sampler=make_sampler, width=narrow,
+        formula=formula, references=references, lobe=lobe, sampler=make_sampler, width=narrow,
         shape="roughness_u", colour=constant, diffuse=lambert, stretched=stretch))
 
 

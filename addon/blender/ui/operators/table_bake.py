@@ -1,13 +1,14 @@
 """Baking the albedo tables: the dialog that asks which, how fine and for which exponents, and the bake itself."""
 import bpy
 
-from ....forms.albedo import bake, sizes, tables
+from ....forms.albedo import bake, sizes, tables, tabulated
 from ....models.parameters import MAX_EXPONENT, MIN_EXPONENT
 from ...host import table_folder, table_job
 from ...host.redraw import redraw
 
 _TICK = 0.1  # seconds between two looks at a bake
-_MODEL_ITEMS = [(model.id, model.label, ", ".join(name.replace("_", " ") for name in model.tables), 1 << i)
+_MODEL_ITEMS = [(model.id, model.label, ", ".join(name.replace("_", " ") for name in tabulated.tables_of(model)),
+                 1 << i)
                 for i, model in enumerate(sizes.readers())]
 _RESOLUTION_ITEMS = [(name, chosen.label, chosen.help[0].upper() + chosen.help[1:], i)
                      for i, (name, chosen) in enumerate(sizes.RESOLUTIONS.items())]
