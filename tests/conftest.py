@@ -30,9 +30,9 @@ def table_folder(tmp_path):
 @pytest.fixture
 def no_weights(monkeypatch):
     """Baked models get a few zeros for weights, at once, in tests that do not render; nobody else gets to see them."""
-    from addon.blender.host import cache
+    from addon.blender.host import row_cache
 
-    monkeypatch.setattr(cache, "_memory", {})
+    monkeypatch.setattr(row_cache, "_memory", {})
     monkeypatch.setattr(grid, "_kept", {})
     few = lobe_rows.LobeRows.zeros(layout.Layout(views=1, azimuths=1, turns=1, cell_rings=1, cell_turns=1))
     known = rows_error.RowsError(np.zeros(1), np.array([0.012]), np.array([-0.001]))

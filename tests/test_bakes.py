@@ -260,13 +260,13 @@ def test_a_short_table_renders_its_albedo_and_stripes_beyond(short, lut, capfd):
 
 def test_a_baked_model_is_baked_once(bpy, monkeypatch):
     from addon.blender.backend import osl
-    from addon.blender.host import cache
+    from addon.blender.host import row_cache
     from addon.blender.material import baked_state, groups
     from addon.forms.rows import error as rows_error
     from addon.forms.rows import row_bake
 
     calls, blank = [], row_bake.blank
-    monkeypatch.setattr(cache, "_memory", {})
+    monkeypatch.setattr(row_cache, "_memory", {})
     monkeypatch.setattr(row_bake, "bake", lambda model, p: calls.append("weights") or blank(model, p))
     known = rows_error.RowsError(np.zeros(1), np.array([0.012]), np.array([-0.001]))
     monkeypatch.setattr(rows_error, "error", lambda model, p: calls.append("error") or known)
@@ -281,36 +281,37 @@ def test_a_baked_model_is_baked_once(bpy, monkeypatch):
 
 
 def test_memory_keeps_the_last_few(bpy, monkeypatch):
-    from addon.blender.host import cache
+    from addon.blender.host import row_cache
 
-    monkeypatch.setattr(cache, "_memory", {})
-    for i in range(cache._IN_MEMORY):
-        assert cache.fetch(f"{i:064x}", lambda i=i: i + 1) == i + 1
-    assert cache.fetch("0" * 64, lambda: 99) == 1  # used again
-    cache.fetch("f" * 64, lambda: 0)
-    assert cache.fetch("0" * 64, lambda: 99) == 1 and cache.fetch(f"{1:064x}", lambda: 99) == 99
+    monkeypatch.setattr(row_cache, "_memory", {})
+    for i in range(row_cache._IN_MEMORY):
+        assert row_cache.fetch(f"{i:064x}", lambda i=i: i + 1) == i + 1
+    assert row_cache.fetch("0" * 64, lambda: 99) == 1  # used again
+    row_cache.fetch("f" * 64, lambda: 0)
+    assert row_cache.fetch("0" * 64, lambda: 99) == 1 and row_cache.fetch(f"{1:064x}", lambda: 99) == 99
 
 
 def test_keys_change_with_all_that_decides(bpy, monkeypatch, tmp_path):
-    from addon.blender.host import cache
+    from addon.blender.host import row_cache
 
     model, image = MODELS["ndf_map"], tmp_path / "picture.exr"
     image.write_bytes(b"1")
-    keys = [cache.key(model, {}, "shader"), cache.key(model, {}, "error"), cache.key(MODELS["ward"], {}, "shader"),
-            cache.key(model, {"rotation": 0.25}, "shader"), cache.key(model, {"image": str(image)}, "shader")]
+    keys = [row_cache.key(model, {}, "shader"), row_cache.key(model, {}, "error"),
+            row_cache.key(MODELS["ward"], {}, "shader"),
+            row_cache.key(model, {"rotation": 0.25}, "shader"), row_cache.key(model, {"image": str(image)}, "shader")]
     image.write_bytes(b"22")
-    keys.append(cache.key(model, {"image": str(image)}, "shader"))
-    monkeypatch.setattr(cache, "_version", lambda: "another")
-    keys.append(cache.key(model, {}, "shader"))
+    keys.append(row_cache.key(model, {"image": str(image)}, "shader"))
+    monkeypatch.setattr(row_cache, "_version", lambda: "another")
+    keys.append(row_cache.key(model, {}, "shader"))
     assert len(set(keys)) == len(keys) and all(len(key) == 64 and set(key) <= set("0123456789abcdef") for key in keys)
 
 
 def test_the_version_is_that_of_the_code(bpy, monkeypatch, tmp_path):
-    from addon.blender.host import cache
+    from addon.blender.host import row_cache
 
     def version():
-        cache._version.cache_clear()
-        return cache._version()
+        row_cache._version.cache_clear()
+        return row_cache._version()
 
     folders = [tmp_path / name for name in ("models", "rows")]
     names = ("models/a.py", "rows/fit.py", "rows/weights.h", "osl.py", "ndf_star.exr")
@@ -318,18 +319,18 @@ def test_the_version_is_that_of_the_code(bpy, monkeypatch, tmp_path):
         folder.mkdir()
     for name in names:
         (tmp_path / name).write_text("1")
-    monkeypatch.setattr(cache, "_CODE", folders)
-    monkeypatch.setattr(cache, "_FILES", [tmp_path / name for name in names[3:]])
+    monkeypatch.setattr(row_cache, "_CODE", folders)
+    monkeypatch.setattr(row_cache, "_FILES", [tmp_path / name for name in names[3:]])
     found = [version()]
     for name in names:
         (tmp_path / name).write_text("2")
         found.append(version())
-    cache._version.cache_clear()
+    row_cache._version.cache_clear()
     assert len(set(found)) == len(names) + 1
 
 
 def test_a_cache_that_cannot_be_written_costs_time_only(bpy, monkeypatch, capsys, tmp_path):
-    from addon.blender.host import cache, settings
+    from addon.blender.host import row_cache, settings
 
     def refused(name, create=False):
         if create:
@@ -337,13 +338,14 @@ def test_a_cache_that_cannot_be_written_costs_time_only(bpy, monkeypatch, capsys
         return tmp_path
 
     monkeypatch.setattr(settings, "granted_folder", refused)
-    monkeypatch.setattr(cache, "_memory", {})
-    assert cache.fetch("a" * 64, lambda: "made") == "made"
+    monkeypatch.setattr(row_cache, "_memory", {})
+    assert row_cache.fetch("a" * 64, lambda: "made") == "made"
     assert "the cache is not used" in capsys.readouterr().out
 
 
 def test_without_an_extension_nothing_is_written(bpy):
-    from addon.blender.host import cache, settings
+    from addon.blender.host import row_cache, settings
 
-    assert settings.granted_folder("cache", create=True) is None and cache.on_disk() is None and cache.size() == 0
+    assert settings.granted_folder("cache", create=True) is None
+    assert row_cache.on_disk() is None and row_cache.size() == 0
     assert settings.for_new(MODELS["phong"]) == {} and settings.lut_folder() == ""

@@ -282,7 +282,7 @@ else:
 addon = sys.modules["bl_ext.user_default.plausible_brdf.addon"]
 from bl_ext.user_default.plausible_brdf.addon.forms.rows import error as rows_error
 from bl_ext.user_default.plausible_brdf.addon.forms.rows import row_bake
-from bl_ext.user_default.plausible_brdf.addon.blender.host import cache, settings
+from bl_ext.user_default.plausible_brdf.addon.blender.host import row_cache, settings
 from bl_ext.user_default.plausible_brdf.addon.blender.material import baked_state, groups
 from bl_ext.user_default.plausible_brdf.addon.blender.backend import osl
 import numpy as np
@@ -292,7 +292,7 @@ known = rows_error.RowsError(np.zeros(1), np.array([0.0125]), np.array([-0.001])
 rows_error.error = lambda model, p: calls.append("error") or known
 material = addon.create_material("ward", roughness_u=0.25)
 folder = settings.granted_folder("cache")
-assert len(list(folder.iterdir())) == 2 and cache.size() > 100
+assert len(list(folder.iterdir())) == 2 and row_cache.size() > 100
 assert baked_state.baked_error(groups.find_node(material)) == (0.0125, 0.001)
 text = osl.script_of(groups.find_node(material)).bytecode
 preferences = bpy.context.preferences.addons["bl_ext.user_default.plausible_brdf"].preferences
@@ -300,16 +300,16 @@ found = {"calls": calls[:], "bytes": len(text)}
 if len(sys.argv) > 2:
     for path in folder.iterdir():
         path.write_bytes(path.read_bytes()[:-3])
-    cache._memory.clear()
+    row_cache._memory.clear()
     addon.create_material("ward", roughness_u=0.25)
     assert len(calls) == len(found["calls"]) + 2, "what is damaged is baked anew"
-    assert bpy.ops.plausible.clear_cache() == {"FINISHED"} and cache.size() == 0 and not list(folder.iterdir())
+    assert bpy.ops.plausible.clear_cache() == {"FINISHED"} and row_cache.size() == 0 and not list(folder.iterdir())
     addon.create_material("ward", roughness_u=0.25)
-    assert cache.size() > 0
+    assert row_cache.size() > 0
     preferences.cache_limit = 0
-    assert cache.size() == 0, "no limit, no cache"
+    assert row_cache.size() == 0, "no limit, no cache"
     addon.create_material("ward", roughness_u=0.25)
-    assert cache.size() == 0
+    assert row_cache.size() == 0
 addon.unregister()
 print(json.dumps(found))
 """

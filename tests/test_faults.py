@@ -541,7 +541,7 @@ if len(sys.argv) > 2:  # the preferences are no longer those that this Blender s
     addon = sys.modules[package + ".addon"]
 else:
     addon = install(sys.argv[1])
-from bl_ext.user_default.plausible_brdf.addon.blender.host import cache, settings
+from bl_ext.user_default.plausible_brdf.addon.blender.host import row_cache, settings
 from bl_ext.user_default.plausible_brdf.addon.brdf import MODELS
 made = 0
 for samples, spread, limit, folder in ((99, math.nan, -3, "\\0"), ("many", [1.0], "all", 3), (-7, 1e30, 10**9, "//..")):
@@ -556,7 +556,7 @@ for samples, spread, limit, folder in ((99, math.nan, -3, "\\0"), ("many", [1.0]
     values = settings.for_new(MODELS["phong"])
     assert 1 <= values["samples"] <= 8 and 0.0 <= values["light_spread"] <= 2.0, values
     assert settings.cache_limit() >= 0 and isinstance(settings.lut_folder(), str)
-    cache.trim()
+    row_cache.trim()
     addon.unregister()
     addon.register()
     bpy.ops.mesh.primitive_plane_add()

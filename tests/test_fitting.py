@@ -34,7 +34,7 @@ EXACT = {"blinn": lambda n: math.acos(0.5 ** (1.0 / n)), "phong": lambda n: 0.5 
 # Of models that are pumped for the parameters at hand, which takes some tenths of a second each time, one is enough.
 AT_HAND = {name for name, model in MODELS.items() if isinstance(model, PumpedModel)}
 ROUND_TRIPS = [name for name, model in MODELS.items()
-               if name not in AT_HAND - {"pumped_ward"} and name != "kajiya_kay" and model.shape]
+               if name not in AT_HAND - {"pumped_ward"} and name != "kajiya_kay" and model.width_parameter]
 
 
 @pytest.mark.parametrize("model_id", MODELS)
@@ -43,11 +43,12 @@ def test_every_model_says_what_widens_its_lobe(model_id):
     ids = {p.id for p in model.parameters if p.kind == "float" and p.evaluated}
     assert set(model.widths) <= ids
     assert model.axes in ((), tuple(f"{model.axes[0][:-1]}{end}" for end in "uv") if model.axes else ())
-    assert (model.shape is None) == (model_id == "ndf_map")
-    if model_id in AT_HAND or model.shape is None:
+    assert (model.width_parameter is None) == (model_id == "ndf_map")
+    if model_id in AT_HAND or model.width_parameter is None:
         return
     values = matching.complete(model, {})
-    low, high = (matching.half_angles(model, {**values, model.shape: values[model.shape] * k})[0] for k in (0.8, 1.25))
+    name = model.width_parameter
+    low, high = (matching.half_angles(model, {**values, name: values[name] * k})[0] for k in (0.8, 1.25))
     assert abs(math.log(high / low)) > 0.1
 
 
@@ -59,7 +60,7 @@ def test_half_of_the_normalised_lobe_is_where_it_is_wanted(model_id, beta):
     found = match("blinn", {"exponent": n}, model_id)
     assert found.wanted == pytest.approx((beta, beta), rel=1e-6)
     assert found.half_angles == pytest.approx((beta, beta), rel=1e-6) and found.held == ()
-    value = NORMALISED[model_id](math.radians(beta), found.parameters[MODELS[model_id].shape])
+    value = NORMALISED[model_id](math.radians(beta), found.parameters[MODELS[model_id].width_parameter])
     assert value == pytest.approx(0.5, rel=1e-5)
 
 
@@ -84,7 +85,7 @@ def test_known_equivalents():
 def test_there_and_back(model_id):
     model = MODELS[model_id]
     given = matching.complete(model, {})
-    if not model.bases:  # which stand for their exponents, and are not moved alone
+    if not model.power_bases:  # which stand for their exponents, and are not moved alone
         given.update({name: 1.1 * given[name] for name in set(model.widths) - set(model.axes)})
     between = "ashikhmin_shirley" if model.axes else "cook_torrance"
     back = match(between, match(model_id, given, between).parameters, model_id).parameters

@@ -43,7 +43,7 @@ def shown(monkeypatch, model, given, view, size, planted=None):
     What goes with them is rendered of a tenth of the picture; of baked models it is the directions themselves. `view`
     (angle, azimuth) in degrees; `planted` a hook and what is in its place.
     """
-    from addon.blender.host import cache
+    from addon.blender.host import row_cache
 
     pictures, baked = [], estimator.is_baked(brdf.MODELS[model])
     for what, rows in (("0.5 + 0.5 * (light)", None), ("beside", size // 10))[:1 if baked else 2]:
@@ -52,7 +52,7 @@ def shown(monkeypatch, model, given, view, size, planted=None):
             if planted:
                 changed.setitem(definitions.HOOKS, *planted)
             # What is compiled of a baked model is kept by its values: neither is it to be found here nor left behind.
-            changed.setattr(cache, "_memory", {})
+            changed.setattr(row_cache, "_memory", {})
             material = create_material(model, **given)
             picture = emission.shown(material, size, rows=rows, side=40.0, view_deg=view[0], azimuth_deg=view[1])
             pictures.append(picture.reshape(-1, 3))

@@ -10,7 +10,7 @@ from addon import cli
 from addon.backends.osl import estimator
 from addon.brdf import MODELS
 from addon.dev.packaging import archive
-from addon.dev.pages import limits, links, manual, model_page, shown, write
+from addon.dev.pages import figure_values, limits, links, manual, model_page, write
 from addon.forms.albedo import tabulated
 from addon.library import presets
 
@@ -112,7 +112,7 @@ def test_a_changed_declaration_is_seen():
 
 def test_shown_values_are_allowed():
     for model in MODELS.values():
-        settings = shown.shown(model).settings()
+        settings = figure_values.shown(model).settings()
         assert len({tuple(given.items()) for given in settings}) == 3
         for given in settings:
             model.resolve(given)

@@ -99,7 +99,7 @@ class _Node:
     def with_albedos(self, albedos):
         return self
 
-    def quickly(self, view, light, values):
+    def evaluate_fast(self, view, light, values):
         # The body alone is black where diffuse_color is.
         black = not any(values["diffuse_color"]) and self.inputs.metallic < 1.0
         color = (0.0, 0.0, 0.0) if black else self.inputs.base_color
@@ -206,7 +206,7 @@ def test_quick_values_of_pumped_models_are_near():
     for name in ("pumped_ward", "pumped_blinn_fresnel"):
         model = MODELS[name]
         exact = model.evaluate(view, light)
-        quick = model.quickly(view, light, model.resolve({}))
+        quick = model.evaluate_fast(view, light, model.resolve({}))
         assert np.abs(quick / exact - 1.0)[exact > 1e-6 * exact.max()].max() < 0.02
 
 

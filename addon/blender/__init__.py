@@ -7,7 +7,7 @@ _registered = None
 def _modules():
     """What is registered, in this order. A module may have `prepare`, CLASSES, `start` and, to undo, `stop`."""
     from .backend import osl
-    from .host import asset_library, cache, table_folder, table_job, translation
+    from .host import asset_library, row_cache, table_folder, table_job, translation
     from .material import row_jobs, upgrade, watch
     from .ui import add_menu, energy, furnace_test, icons, panels, preferences, properties
     from .ui.operators import (
@@ -28,7 +28,7 @@ def _modules():
     operators = (new_material, open_shading_language, metals, presets, convert, row_bake, update, width, pumping,
                  backend_choice, renew)
     return (translation, icons, properties, *operators, osl, add_menu, table_bake, panels, energy, furnace_test,
-            preferences, cache, table_folder, table_job, row_jobs, upgrade, watch, asset_library)
+            preferences, row_cache, table_folder, table_job, row_jobs, upgrade, watch, asset_library)
 
 
 def register():

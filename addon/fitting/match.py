@@ -114,7 +114,7 @@ def shaped(model, values: dict, wanted: tuple, hold: bool = False) -> tuple:
     it can where there is an axis for each, else the other one decides. Where nothing changes the width, all stays.
     Raises ValueError as `match`.
     """
-    if model.shape is None:
+    if model.width_parameter is None:
         if not hold:
             raise ValueError(f"{model.id}: no parameter changes how wide its lobe is")
         return values, ()
@@ -122,12 +122,12 @@ def shaped(model, values: dict, wanted: tuple, hold: bool = False) -> tuple:
     if not axes:
         strands = isinstance(model, FormulaModel) and model.stretched is not None  # nothing sets their other width
         finite = [angle for angle in wanted[: 1 if strands else 2] if np.isfinite(angle)] or [_STEEPEST]
-        plan = [((model.shape, *model.alongside), ALONG, float(np.exp(np.mean(np.log(finite)))))]
-    elif model.shape in axes:
+        plan = [((model.width_parameter, *model.widened_with), ALONG, float(np.exp(np.mean(np.log(finite)))))]
+    elif model.width_parameter in axes:
         plan = [((name,), *aim) for name, aim in axes.items()]
     else:
         narrower, wider = sorted(axes, key=lambda name: axes[name][1])
-        plan = [((model.shape, *model.alongside), *axes[wider]), ((narrower,), *axes[narrower])]
+        plan = [((model.width_parameter, *model.widened_with), *axes[wider]), ((narrower,), *axes[narrower])]
     held = []
     for names, azimuth, aim in plan:
         values, reached = _search(model, values, names, azimuth, min(aim, _STEEPEST), hold or np.isinf(aim))
@@ -157,7 +157,7 @@ def _search(model, values, names, azimuth, aim, hold):
         factor = moved[names[0]] / values[names[0]]
         for name in names[1:]:
             moved[name] = model.parameter(name).clamp(values[name] * factor)
-        for name in model.bases:
+        for name in model.power_bases:
             moved[name] = model.parameter(name).clamp(float(np.copysign(abs(values[name]) ** (1.0 / factor),
                                                                         values[name])))
         return {**values, **moved}
@@ -214,8 +214,8 @@ def carried(source, given: dict, target) -> dict:
     """All parameters of `target`: those that `source` has too with its values, held to the range; else defaults."""
     values = complete(target, {})
     shared = {name: target.parameter(name).clamp(given[name]) for name in values if name in given}
-    if not set(target.alongside) <= set(shared):
-        shared.pop(target.shape, None)  # the lobes of a sum keep their proportions
+    if not set(target.widened_with) <= set(shared):
+        shared.pop(target.width_parameter, None)  # the lobes of a sum keep their proportions
     values |= {name: value for name, value in shared.items() if name not in _ROUGHNESS}
     if "fresnel_type" in given and "fresnel_type" in values:
         return values

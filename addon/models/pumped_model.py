@@ -43,7 +43,7 @@ class PumpedModel(FormulaModel):
                 values[across] = values[along]
         return values
 
-    def quickly(self, view, light, p):
+    def evaluate_fast(self, view, light, p):
         """See `Model`: the albedos that it is pumped up by are integrated by few nodes."""
         def lobe(view, light, p):
             return self.base.lobe(view, light, p) / _correction(self.base, view, light, p, _COARSE)
@@ -63,8 +63,9 @@ def pumped(base: FormulaModel) -> PumpedModel:
         "energy-conserving, and bright to grazing angles", parameters=parameters,
         formula=f"[{base.formula}] / D", references=(*base.references, f"{pumping.NEUMANN}, eq. 16, 20, 21"),
         lobe=lambda view, light, p: base.lobe(view, light, p) / _correction(base, view, light, p),
-        sampler=lambda p: base.sampler({**p, "diffuse_color": (0.0, 0.0, 0.0)}), width=base.width, shape=base.shape,
-        alongside=base.alongside, bases=base.bases, colour=base.colour, base=base)
+        sampler=lambda p: base.sampler({**p, "diffuse_color": (0.0, 0.0, 0.0)}), width=base.width,
+        width_parameter=base.width_parameter, widened_with=base.widened_with,
+        power_bases=base.power_bases, colour=base.colour, base=base)
 
 
 def _correction(base, view, light, p, grid=_FINE):

@@ -15,9 +15,9 @@ class Model:
     """A reflectance model as declared: names, parameters, formula and sources.
 
     The subclasses `LobeModel` and `DiskModel` say what it computes. All methods take the model's parameters by id and
-    raise ValueError that names what is wrong. `shape` names the parameter that widens or narrows the lobe, None where
-    none does; those of its other lobes, `alongside`, are scaled together with it, and what an exponent is the power of,
-    `bases`, changes so that the power stays.
+    raise ValueError that names what is wrong. `width_parameter` names the parameter that widens or narrows the lobe,
+    None where none does. The parameters `widened_with` it belong to other lobes and are scaled by the same factor. An
+    exponent is the power of one of `power_bases`, which changes so that the power stays.
     """
 
     id: str
@@ -26,9 +26,9 @@ class Model:
     parameters: tuple
     formula: str
     references: tuple
-    shape: str = field(default="exponent", kw_only=True)
-    alongside: tuple = field(default=(), kw_only=True)
-    bases: tuple = field(default=(), kw_only=True)
+    width_parameter: str = field(default="exponent", kw_only=True)
+    widened_with: tuple = field(default=(), kw_only=True)
+    power_bases: tuple = field(default=(), kw_only=True)
 
     @property
     def axes(self) -> tuple:
@@ -39,8 +39,8 @@ class Model:
 
     @property
     def widths(self) -> tuple:
-        """The parameters that say how wide the lobes are, by id; `shape` first."""
-        return tuple(name for name in dict.fromkeys((self.shape, *self.alongside, *self.axes)) if name)
+        """The parameters that say how wide the lobes are, by id; `width_parameter` first."""
+        return tuple(name for name in dict.fromkeys((self.width_parameter, *self.widened_with, *self.axes)) if name)
 
     def parameter(self, name: str) -> Parameter:
         for parameter in self.parameters:
@@ -76,7 +76,7 @@ class Model:
         value[above] = lit
         return value
 
-    def quickly(self, view, light, p: dict) -> np.ndarray:
+    def evaluate_fast(self, view, light, p: dict) -> np.ndarray:
         """f(V, L) as `evaluate` gives it, of resolved parameters and directions above the horizon, within about 1 %.
 
         For what must not wait: it is the value itself where that takes no preparing; a model `with_albedos` from tables

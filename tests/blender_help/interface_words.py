@@ -6,7 +6,7 @@ from addon.brdf import MODELS
 from addon.library.presets import PRESETS
 
 BLENDER = Path(__file__).resolve().parents[2] / "addon" / "blender"
-_SAYING = {"say": 0, "draw_text": 2, "Notice": 0, "Cure": 1}  # functions, and which argument is shown
+_SAYING = {"tr": 0, "draw_text": 2, "Notice": 0, "Cure": 1}  # functions, and which argument is shown
 
 
 def _texts(node):

@@ -123,7 +123,7 @@ class _Target:
                 np.concatenate([weight[chosen], weight[chosen]]))
 
     def _energy(self, model, values):
-        return rgb(model.with_albedos(TABULATED).quickly(self.view, self.light, values)) * self.weight[:, None]
+        return rgb(model.with_albedos(TABULATED).evaluate_fast(self.view, self.light, values)) * self.weight[:, None]
 
     def by_view(self, rows):
         """Sums of rows (rows, ...) over the lights of each view: (views, ...)."""

@@ -10,8 +10,8 @@ import bpy
 from ...backends.osl import assembler, estimator
 from ...forms.albedo import tables, tabulated
 from ...forms.rows import grid, row_bake
-from ..host import cache, table_folder
-from ..host.translation import say
+from ..host import row_cache, table_folder
+from ..host.translation import tr
 from .protocol import BSDF, MODEL_KEY, BackendError, Cure, Notice, Program, pair_of, stored, text_of
 
 SCRIPT = "ShaderNodeScript"
@@ -99,8 +99,8 @@ class Osl:
         if reason:
             raise OslError(reason)
         if not self.follows_sockets(model):
-            return self._program(model, cache.fetch(
-                cache.key(model, values or {}, "shader", ranges),
+            return self._program(model, row_cache.fetch(
+                row_cache.key(model, values or {}, "shader", ranges),
                 lambda: compile_text(model, assembler.assemble(model, self.lut, values, ranges))))
         return self._program(model, _compiled_once(model, assembler.assemble(model, self.lut, values)))
 
@@ -112,7 +112,7 @@ class Osl:
 
     def is_cached(self, model, values, ranges) -> bool:
         """See `Backend`."""
-        return all(cache.holds(cache.key(model, values, what, ranges)) for what in ("shader", "error"))
+        return all(row_cache.holds(row_cache.key(model, values, what, ranges)) for what in ("shader", "error"))
 
     def install(self, group, model, program, inputs):
         """See `Backend`. Blender makes a Script node's sockets otherwise in each version, so they are made here."""
@@ -214,7 +214,7 @@ def _beyond(model, values, spans):
         span = spans.get(name)
         if span is None or tables.covers(span, exponent):
             continue
-        text = say("Exponent {exponent:.6g} is beyond the material's tables, which are for {low:g} to {high:g}: it "
+        text = tr("Exponent {exponent:.6g} is beyond the material's tables, which are for {low:g} to {high:g}: it "
                    "renders striped", exponent=exponent, low=span[0], high=span[1])
         if table_folder.problem([name]) is None and tables.covers(tables.in_use(name).span, exponent):
             return Notice(text, (Cure("plausible.update_materials", "Update Materials"),))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from ...backends.nodes import fallback, principled_fit
 from ...models.disk_model import DiskModel
 from ...models.formula_model import FormulaModel
-from ..host.translation import say
+from ..host.translation import tr
 from .node_builder import Nodes
 from .protocol import MODEL_KEY, STAND_IN, Cure, Notice, Program, text_of
 
@@ -50,9 +50,9 @@ class PrincipledFit:
         try:
             lobe, albedo = fallback.error(model, values)
         except ValueError:  # an image that cannot be read
-            text = say("Cycles renders the native approximation in place of the model")
+            text = tr("Cycles renders the native approximation in place of the model")
         else:
-            text = say("Cycles renders the native approximation in place of the model. Its lobe differs by {lobe:.2g} "
+            text = tr("Cycles renders the native approximation in place of the model. Its lobe differs by {lobe:.2g} "
                        "%, its albedo by {albedo:.2g} %", lobe=lobe, albedo=albedo)
         return (Notice(text, (Cure("plausible.switch_native", "Render the Model"),), "INFO"),)
 

@@ -1,6 +1,6 @@
 """The interface's words in other languages.
 
-Blender looks names and help of properties, operators and panels up by itself; `say` looks up sentences that are put
+Blender looks names and help of properties, operators and panels up by itself; `tr` looks up sentences that are put
 together. A language is one module with a table, as german.py: English to its own, numbers named in braces.
 """
 import bpy
@@ -11,14 +11,14 @@ LANGUAGES = {"de_DE": GERMAN}
 _CONTEXTS = ("*", "Operator")  # where Blender looks: for operators' names apart
 
 
-def look_up(text: str) -> str:
+def translate(text: str) -> str:
     """`text` in the language of the interface, or as it is."""
     return bpy.app.translations.pgettext_iface(text)
 
 
-def say(text: str, **values) -> str:
+def tr(text: str, **values) -> str:
     """`text` in the language of the interface, its {names} filled in with `values`."""
-    return look_up(text).format(**values)
+    return translate(text).format(**values)
 
 
 def start():

@@ -4,7 +4,7 @@ import json
 from ...forms.rows import error as rows_error
 from .. import backend as backends
 from ..backend import pair_of, text_of
-from ..host import cache
+from ..host import row_cache
 from . import driven, groups
 from .curves import curves
 from .driven import driven_among, keep_ranges, path_of
@@ -68,7 +68,7 @@ def record(node, error: tuple | None = None, ranges: dict | None = None):
     if backend == backends.FALLBACK:
         return
     given = values(node)
-    group[ERROR_KEY] = cache.fetch(cache.key(model, given, "error", ranges),
+    group[ERROR_KEY] = row_cache.fetch(row_cache.key(model, given, "error", ranges),
                                    lambda: error or rows_error.largest(model, given, ranges))
     update_fallback(node)
 

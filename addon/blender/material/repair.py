@@ -1,6 +1,6 @@
 """Nodes of ours that were edited by hand and no longer work: what they lack, and a fresh one in their place."""
 from ..backend import MODEL_KEY
-from ..host.translation import say
+from ..host.translation import tr
 from . import baked_state, groups, row_jobs
 from .sockets import by_id, carried
 
@@ -12,15 +12,15 @@ def complaint(node) -> str:
         return ""
     model = groups.named_model(tree)
     if model is None:
-        return say("The node is of a model that this version of the extension does not know: {name}",
+        return tr("The node is of a model that this version of the extension does not know: {name}",
                    name=tree[MODEL_KEY])
     if lost_shader(node):
-        return say("The node was edited and its shader is gone or damaged")
+        return tr("The node was edited and its shader is gone or damaged")
     held, backend = by_id(node), groups.backend_of(node)
     unfed = backend.unfed(tree, groups.socket_identifiers(tree))
-    lost = [say(p.label) for p in backend.parameters(model) if p.id not in held or p.id in unfed]
+    lost = [tr(p.label) for p in backend.parameters(model) if p.id not in held or p.id in unfed]
     lost += groups.lacking(tree)
-    return say("The node was edited and lacks {names}", names=", ".join(lost)) if lost else ""
+    return tr("The node was edited and lacks {names}", names=", ".join(lost)) if lost else ""
 
 
 def lost_shader(node) -> bool:

@@ -1,6 +1,6 @@
 """The sockets that hold a node's values: found by parameter, read, and written."""
 from ..backend import stored
-from ..host.translation import say
+from ..host.translation import tr
 from . import groups
 from .groups import model_of
 
@@ -83,7 +83,7 @@ def write(node, parameter, value):
 
 def require(node, parameters):
     """Raise ValueError, which names the cure, where a node that was edited lacks a socket of `parameters`."""
-    lost = [say(p.label) for p in parameters if socket_of(node, p) is None]
+    lost = [tr(p.label) for p in parameters if socket_of(node, p) is None]
     if lost:
-        raise ValueError(say("{node} was edited and lacks {names}: Renew Node in the panel makes it whole",
+        raise ValueError(tr("{node} was edited and lacks {names}: Renew Node in the panel makes it whole",
                              node=node.name, names=", ".join(lost)))

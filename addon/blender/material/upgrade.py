@@ -9,7 +9,7 @@ from ...version import VERSION, parts
 from .. import backend as backends
 from ..backend import BSDF, STAND_IN, text_of
 from ..backend.osl import SCRIPT
-from ..host.translation import say
+from ..host.translation import tr
 from . import baked_state, groups
 from .groups import VERSION_KEY, model_of, named_model, trees
 from .replace import replace_node
@@ -58,10 +58,10 @@ def upgrade_all() -> str:
             done.append(owner)
     words = []
     if done:
-        words.append(say("Upgraded to {version}: {names}. The file on disk is as it was until you save",
+        words.append(tr("Upgraded to {version}: {names}. The file on disk is as it was until you save",
                          version=VERSION, names=", ".join(sorted(set(done)))))
     if failed:
-        words.append(say("Not upgraded: {names}", names="; ".join(failed)))
+        words.append(tr("Not upgraded: {names}", names="; ".join(failed)))
     return ". ".join(words)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...plots import picture, quick
 from ..host.redraw import redraw
-from ..host.translation import say
+from ..host.translation import tr
 from ..material.sockets import socket_of, values
 from .panels import Face, draw_text, in_both_places
 
@@ -160,7 +160,7 @@ def draw_text_above_one(layout, context, plot):
     highest = np.nan_to_num(plot.albedo).max(axis=1)
     if highest.max() > 1.0 + quick.TOLERANCE:
         view, most = quick.VIEWS[highest.argmax()], highest.max()
-        draw_text(layout, context, say(
+        draw_text(layout, context, tr(
             "Gives more light than it gets: {times:.3g} times at {view:.3g}°", times=most, view=view), "ERROR")
 
 
@@ -170,7 +170,7 @@ def legend(plot) -> str:
              "Albedo by the angle of the view", ROOTS[picture.power_of(plot)]]
     if plot.along_tangent:
         parts.append("Seen along the tangent")
-    return ". ".join(map(say, parts))
+    return ". ".join(map(tr, parts))
 
 
 def driven_lines(node, model) -> list:
@@ -180,8 +180,8 @@ def driven_lines(node, model) -> list:
         socket = socket_of(node, parameter)
         if parameter.evaluated and socket is not None and socket.is_linked:
             source = socket.links[0].from_node
-            lines.append(say("{parameter} is driven by {node}: plotted for the value of its socket",
-                             parameter=say(parameter.label), node=source.label or source.name))
+            lines.append(tr("{parameter} is driven by {node}: plotted for the value of its socket",
+                             parameter=tr(parameter.label), node=source.label or source.name))
     return lines
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from ...plots import picture, quick
 from ...resources import ROOT
 from ..host.redraw import redraw
-from ..host.translation import say
+from ..host.translation import tr
 from ..material import groups, sockets
 from .operators.common import OnMaterial, material_of, plausible_node, renders_here
 from .panels import Face, draw_text, in_both_places
@@ -219,8 +219,8 @@ class PLAUSIBLE_OT_cancel_furnace_test(bpy.types.Operator):
 def progress_text(job) -> str:
     """How far the test is, for panel and status bar."""
     if not job.done:
-        return say("Furnace test, starting")
-    return say("Furnace test, render {done} of {total}", done=job.done, total=job.total)
+        return tr("Furnace test, starting")
+    return tr("Furnace test, render {done} of {total}", done=job.done, total=job.total)
 
 
 _WRONG = "The furnace differs from the formula: at most {most:.4f} off, at {view:g}°"
@@ -229,12 +229,12 @@ _WRONG = "The furnace differs from the formula: at most {most:.4f} off, at {view
 def verdict_text(job) -> str:
     """What the test found, in a sentence."""
     if job.verdict is None:
-        return say("Measured; there is no formula for a material with something plugged in or mixed")
+        return tr("Measured; there is no formula for a material with something plugged in or mixed")
     worst = max((abs(a - b), row["angle_deg"]) for row in job.rows
                 for a, b in zip(row["measured"], row["reference"], strict=True))
     words = {"ok": "The furnace agrees with the formula: at most {most:.4f} off, at {view:g}°",
              "noisy": "Too noisy to tell: at most {most:.4f} off, at {view:g}°"}
-    return say(words.get(job.verdict, _WRONG), most=worst[0], view=worst[1])
+    return tr(words.get(job.verdict, _WRONG), most=worst[0], view=worst[1])
 
 
 class _FurnaceTest(Face):

@@ -6,7 +6,7 @@ from .. import backend as backends
 from ..backend import Cure, Notice
 from ..backend.osl import GET_BLENDER
 from ..host import table_folder
-from ..host.translation import say
+from ..host.translation import tr
 from ..material import groups, repair, upgrade
 from ..material.sockets import values
 
@@ -31,7 +31,7 @@ def notices(context, node=None, material=None) -> list:
 
 def _build_lacks_something():
     if bpy.app.version < OLDEST:
-        return Notice(say("Blender {version} is too old: this needs 4.2 or later", version=bpy.app.version_string),
+        return Notice(tr("Blender {version} is too old: this needs 4.2 or later", version=bpy.app.version_string),
                       (GET_BLENDER,))
     return next(iter(backends.DEFAULT.why_not()), None)
 
@@ -47,7 +47,7 @@ def _engine(scene):
 def _newer(node):
     if not upgrade.is_newer(node):
         return None
-    return Notice(say("Made by version {version} of the extension: this one is older and may not know all of it",
+    return Notice(tr("Made by version {version} of the extension: this one is older and may not know all of it",
                       version=upgrade.version_of(node)), icon="INFO")
 
 

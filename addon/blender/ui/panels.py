@@ -8,7 +8,7 @@ from ...models.disk_model import DiskModel
 from ...models.parameters import COLOR, LOBE, RETROREFLECTION
 from .. import backend as backends
 from ..host import table_folder, table_job
-from ..host.translation import look_up, say
+from ..host.translation import tr, translate
 from ..material import driven, row_jobs
 from ..material.baked_state import baked_error, is_stale
 from ..material.groups import model_of
@@ -33,7 +33,7 @@ def draw_text(layout, context, text, icon="NONE"):
     width = max(20, int((context.region.width / scale - 70) / 6.5))
     column = layout.column(align=True)
     column.scale_y = 0.8
-    for line in textwrap.wrap(look_up(text), width):
+    for line in textwrap.wrap(translate(text), width):
         column.label(text=line, icon=icon)
         icon = "BLANK1" if icon != "NONE" else "NONE"
 
@@ -146,7 +146,7 @@ def draw_weights(layout, context, material, node):
         done, total = row_jobs.progress(material)
         row = layout.row(align=True)
         text = "Baking the weights over ranges" if driven.ranges(node) else "Baking the weights for these values"
-        row.progress(factor=done / total, text=look_up(text))
+        row.progress(factor=done / total, text=translate(text))
         row.operator("plausible.cancel_weights", text="", icon="X")
     elif is_stale(node):
         box = layout.box()
@@ -157,10 +157,10 @@ def draw_weights(layout, context, material, node):
         note = layout.row()
         note.active = False
         lobe, albedo = (f"{100.0 * part:.2g}" for part in baked_error(node))
-        names = ", ".join(say(model_of(node).parameter(name).label) for name in driven.ranges(node))
+        names = ", ".join(tr(model_of(node).parameter(name).label) for name in driven.ranges(node))
         text = ("Baked over ranges of {names}: up to 80° lobes are within {lobe} %, their light within {albedo} %"
                 if names else "Baked: up to 80° lobes are within {lobe} %, their light within {albedo} %")
-        draw_text(note, context, say(text, names=names, lobe=lobe, albedo=albedo),
+        draw_text(note, context, tr(text, names=names, lobe=lobe, albedo=albedo),
                   "CHECKMARK" if baked_error(node)[0] <= _COARSE else "ERROR")
 
 

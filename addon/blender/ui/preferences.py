@@ -3,7 +3,7 @@ import bpy
 
 from ...forms.albedo import tables
 from .. import backend as backends
-from ..host import cache, settings, table_folder
+from ..host import row_cache, settings, table_folder
 from .operators import table_bake
 from .panels import draw_bake, draw_tables, draw_text
 
@@ -13,7 +13,7 @@ def _tables_moved(self, context):
 
 
 def _limit_changed(self, context):
-    cache.trim()
+    row_cache.trim()
 
 
 def _declared(name):
@@ -53,7 +53,7 @@ class PlausiblePreferences(bpy.types.AddonPreferences):
         column.prop(self, "light_spread")
         layout.prop(self, "cache_limit")
         row = layout.row()
-        row.label(text=f"Cache: {cache.size() / 1e6:.1f} MB")
+        row.label(text=f"Cache: {row_cache.size() / 1e6:.1f} MB")
         row.operator("plausible.clear_cache", icon="TRASH")
         layout.operator("wm.url_open", text="Documentation", icon="HELP").url = settings.MANUAL.as_uri()
 
@@ -76,7 +76,7 @@ class PLAUSIBLE_OT_clear_cache(bpy.types.Operator):
 
     def execute(self, context):
         try:
-            cache.clear()
+            row_cache.clear()
         except OSError as error:
             self.report({"ERROR"}, f"The cache cannot be deleted: {table_bake.in_words(error)}")
             return {"CANCELLED"}

@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 from mathutils import Vector
 
-from ..pages.shown import shown
+from ..pages.figure_values import shown
 from . import parts, picture
 
 RADIUS, SPACING = 0.47, 1.0

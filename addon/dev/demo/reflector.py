@@ -57,7 +57,7 @@ def surfaces() -> list:
     """The reference, and the other models at its width."""
     found = [Surface(*REFERENCE)]
     for model in MATCHED:
-        names = brdf.MODELS[model].axes or (brdf.MODELS[model].shape,)
+        names = brdf.MODELS[model].axes or (brdf.MODELS[model].width_parameter,)
         matched = match.match(*REFERENCE, model).parameters
         found.append(Surface(model, {name: matched[name] for name in names}))
     return found

@@ -128,7 +128,7 @@ def _matched_note():
 
 def _shape_note(shown):
     """The parameter that was matched, and the width where it could not be."""
-    name = shown.model.shape
+    name = shown.model.width_parameter
     if name in shown.given:
         return f"{shown.model.parameter(name).label} = {shown.given[name]:.3g}"
     return f"not matched: half at {shown.angle:.1f}°"

@@ -11,8 +11,8 @@ from ...forms.files import replacing
 from ...models.channels import mean
 from ...models.geometry import in_plane
 from ..compare import lobes
+from ..pages.figure_values import shown
 from ..pages.model_page import picture_name
-from ..pages.shown import shown
 from .compare import VIEWS, _mark, _polar, _protractor
 from .style import GREY, INK, SHADES, STYLE
 

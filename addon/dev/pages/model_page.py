@@ -8,8 +8,8 @@ from ...forms.albedo import tabulated
 from ...library.presets import PRESETS
 from ...models.pumped_model import PumpedModel
 from ..compare import properties
+from .figure_values import shown
 from .limits import limits_of, made_of_lumps
-from .shown import shown
 
 INDEX = "README.md"
 _WIDTH = 120

@@ -42,4 +42,4 @@ register(FormulaModel(
     formula="√((n_u+1)(n_v+1)) F (N·H)^(n_u cos²φ + n_v sin²φ) / (8π V·H max(N·L, N·V)) + diffuse",
     references=(ASHIKHMIN + ", eq. 4, 5",),
     lobe=lobe, sampler=make_sampler, width=lambda p: np.sqrt(2.0 / max(p["exponent_u"], p["exponent_v"])),
-    shape="exponent_u", colour=schlick, diffuse=diffuse, stretched=stretch))
+    width_parameter="exponent_u", colour=schlick, diffuse=diffuse, stretched=stretch))

@@ -37,11 +37,11 @@ register(FormulaModel(
     parameters=SLOPE + COLOUR + DIFFUSE + ESTIMATOR, formula="F D G / (4 N·L N·V)",
     references=(COOK, NEUMANN + ", eq. 9, 10"),
     lobe=cook_torrance, sampler=lambda p: with_cosine(HalfBeckmann(p["roughness"], p["roughness"]), p),
-    width=lambda p: p["roughness"], shape="roughness", colour=factor, diffuse=lambert))
+    width=lambda p: p["roughness"], width_parameter="roughness", colour=factor, diffuse=lambert))
 register(FormulaModel(
     id="cosine_microfacet", label="Cosine-Power Microfacets",
     description="Microfacets whose normals follow a power of the cosine, in V-shaped grooves",
     parameters=EXPONENT + COLOUR + DIFFUSE + ESTIMATOR,
     formula="(m+2)/(8π) cos^m θ_h F G / (N·L N·V)", references=(RTR + ", eq. 7.51",),
     lobe=cosine_power, sampler=lambda p: with_cosine(HalfPower(p["exponent"], p["exponent"]), p),
-    width=lambda p: np.sqrt(2.0 / p["exponent"]), shape="exponent", colour=factor, diffuse=lambert))
+    width=lambda p: np.sqrt(2.0 / p["exponent"]), width_parameter="exponent", colour=factor, diffuse=lambert))

@@ -42,7 +42,7 @@ register(DiskModel(
     projection=ORTHOGONAL,
     lumps=(LumpRule("exponent", ("radius",), held=False, share="blend", rest=True),
            LumpRule("second_exponent", ("second_radius",), held=False, share="blend")),
-    alongside=("second_exponent",),
+    widened_with=("second_exponent",),
     formula="(1-F) C_d/π + F [(1-k) first lump + k second lump]", references=(EDWARDS + ", eq. 34, 35, 36",),
 ))
 register(LobeModel(

@@ -28,4 +28,4 @@ register(FormulaModel(
     parameters=SMOOTHNESS + COLOUR + DIFFUSE + ESTIMATOR,
     formula="a_sc F C exp(-s² tan²β) / (N·L N·V cos⁴β)", references=(EMBRECHTS, SAWICKI + ", eq. 7"),
     lobe=lobe, sampler=lambda p: with_cosine(HalfBeckmann(1.0 / p["smoothness"], 1.0 / p["smoothness"]), p),
-    width=lambda p: 1.0 / p["smoothness"], shape="smoothness", colour=factor, diffuse=lambert))
+    width=lambda p: 1.0 / p["smoothness"], width_parameter="smoothness", colour=factor, diffuse=lambert))

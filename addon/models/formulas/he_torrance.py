@@ -114,5 +114,5 @@ register(FormulaModel(
     description="Physical optics of a rough surface: a mirror spike, and scattering by diffraction and slopes",
     parameters=SURFACE + COLOUR + DIFFUSE + ESTIMATOR,
     formula="|F|² [exp(-g) S δ + G S D / (π N·L N·V)] + a/π, D a series", references=(HE + ", eq. 71 to 82",),
-    lobe=lobe, sampler=lambda p: with_cosine(HalfBeckmann(slope(p), slope(p)), p), width=slope, shape="tau",
+    lobe=lobe, sampler=lambda p: with_cosine(HalfBeckmann(slope(p), slope(p)), p), width=slope, width_parameter="tau",
     colour=factor, diffuse=lambert, spike=spike))

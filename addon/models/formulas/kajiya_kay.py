@@ -33,6 +33,6 @@ register(FormulaModel(
     description="Strands along the tangent: bright cones of light, dark where the surface turns away; not reciprocal",
     parameters=EXPONENT + NORMALIZE + SPECULAR + DIFFUSE + TANGENT + ESTIMATOR,
     formula="(c_diff/π + c_spec (m+2)/(2π) cos^m α_r) cosθ'_i / N·L", references=(KAJIYA, RTR + ", eq. 7.50"),
-    lobe=lobe, sampler=lambda p: Cosine(), width=lambda p: np.sqrt(0.5 / p["exponent"]), shape="exponent",
+    lobe=lobe, sampler=lambda p: Cosine(), width=lambda p: np.sqrt(0.5 / p["exponent"]), width_parameter="exponent",
     colour=constant, diffuse=diffuse, symmetric=False,
     stretched=lambda p: (min(2.0 / np.sqrt(p["exponent"] + 4.0), 0.9), 1.0)))

@@ -44,5 +44,6 @@ register(FormulaModel(
     "data",
     parameters=COSINE_LOBES + SPECULAR + DIFFUSE + ESTIMATOR,
     formula="ρ_d/π + Σ w (n+2)/(2π) (C_xy (V_x L_x + V_y L_y) + C_z V_z L_z)^n", references=(LAFORTUNE,),
-    lobe=lobe, sampler=make_sampler, width=width, shape="exponent_1", alongside=("exponent_2", "exponent_3"),
-    bases=tuple(f"{c}_{i}" for i in (1, 2, 3) for c in ("cxy", "cz")), colour=constant, diffuse=lambert))
+    lobe=lobe, sampler=make_sampler, width=width, width_parameter="exponent_1",
+    widened_with=("exponent_2", "exponent_3"),
+    power_bases=tuple(f"{c}_{i}" for i in (1, 2, 3) for c in ("cxy", "cz")), colour=constant, diffuse=lambert))

@@ -51,5 +51,5 @@ register(NdfMapModel(
     formula="p(H) F / (4 V·H max(N·L, N·V)) + diffuse, p(H) the image over its integral",
     references=(GENERATOR, ASHIKHMIN + ", eq. 4", RTR + ", p. 258 (NDF mapping)"),
     lobe=lobe, sampler=lambda p: with_cosine(distribution(p).sampler, p), width=lambda p: distribution(p).slope,
-    shape=None, colour=factor, diffuse=lambert, stretched=lambda p: (1.0, 1.0),
+    width_parameter=None, colour=factor, diffuse=lambert, stretched=lambda p: (1.0, 1.0),
     mirrored=lambda p: distribution(p).is_mirrored))

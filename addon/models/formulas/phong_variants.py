@@ -48,25 +48,25 @@ register(FormulaModel(
     parameters=EXPONENT + SPECULAR + DIFFUSE + ESTIMATOR, formula="k_s (R·L)^n",
     references=(PHONG_1975, SAWICKI + ", eq. 2"),
     lobe=phong, sampler=lambda p: with_cosine(AxisPower(mirror, p["exponent"]), p),
-    width=lambda p: np.sqrt(0.5 / p["exponent"]), shape="exponent", colour=constant, diffuse=lambert))
+    width=lambda p: np.sqrt(0.5 / p["exponent"]), width_parameter="exponent", colour=constant, diffuse=lambert))
 register(FormulaModel(
     id="blinn_original", label="Blinn-Phong, Original",
     description="Blinn's power of the half vector as first published: it reflects less the narrower it is",
     parameters=EXPONENT + SPECULAR + DIFFUSE + ESTIMATOR, formula="k_s (N·H)^n",
     references=(BLINN_1977, SAWICKI + ", eq. 3"),
     lobe=blinn, sampler=lambda p: with_cosine(HalfPower(p["exponent"], p["exponent"]), p),
-    width=lambda p: np.sqrt(2.0 / p["exponent"]), shape="exponent", colour=constant, diffuse=lambert))
+    width=lambda p: np.sqrt(2.0 / p["exponent"]), width_parameter="exponent", colour=constant, diffuse=lambert))
 register(FormulaModel(
     id="blinn_fresnel", label="Blinn-Phong with Fresnel",
     description="Normalised Blinn-Phong with Fresnel's factor, over a diffuse part: the usual model of games",
     parameters=EXPONENT + COLOUR + DIFFUSE + ESTIMATOR, formula="c_diff/π + (m+8)/(8π) F cos^m θ_h",
     references=(RTR + ", eq. 7.49",),
     lobe=blinn_normalized, sampler=lambda p: with_cosine(HalfPower(p["exponent"], p["exponent"]), p),
-    width=lambda p: np.sqrt(2.0 / p["exponent"]), shape="exponent", colour=factor, diffuse=lambert))
+    width=lambda p: np.sqrt(2.0 / p["exponent"]), width_parameter="exponent", colour=factor, diffuse=lambert))
 register(FormulaModel(
     id="weighted_lobes", label="Weighted Lobes",
     description="Three normalised Blinn-Phong lobes, added: a sharp core in a wide halo",
     parameters=LOBES + COLOUR + DIFFUSE + ESTIMATOR,
     formula="c_diff/π + F Σ w_i (n_i+8)/(8π) (N·H)^n_i", references=(RTR + ", eq. 7.49",),
-    lobe=sum_of_lobes, sampler=drawn_from_sum, width=narrowest, shape="exponent_1",
-    alongside=("exponent_2", "exponent_3"), colour=factor, diffuse=lambert))
+    lobe=sum_of_lobes, sampler=drawn_from_sum, width=narrowest, width_parameter="exponent_1",
+    widened_with=("exponent_2", "exponent_3"), colour=factor, diffuse=lambert))

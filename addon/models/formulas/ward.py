@@ -53,7 +53,7 @@ def declare(model_id, label, description, lobe, formula, references):
     return register(FormulaModel(
         id=model_id, label=label, description=description, parameters=SLOPES + SPECULAR + DIFFUSE + TANGENT + ESTIMATOR,
         formula=formula, references=references, lobe=lobe, sampler=make_sampler, width=narrow,
-        shape="roughness_u", colour=constant, diffuse=lambert, stretched=stretch))
+        width_parameter="roughness_u", colour=constant, diffuse=lambert, stretched=stretch))
 
 
 declare("ward", "Ward", "Elliptical highlights by one exponential: dark towards grazing, without bound at the horizon",

@@ -48,5 +48,5 @@ def shown(model) -> Shown:
     if model.id in _BY_MODEL:
         name, values, others = _BY_MODEL[model.id]
         return Shown(model.parameter(name), values, others)
-    name = "pumps" if any(p.id == "pumps" for p in model.parameters) else model.shape
+    name = "pumps" if any(p.id == "pumps" for p in model.parameters) else model.width_parameter
     return Shown(model.parameter(name), _BY_PARAMETER[name])
