@@ -1,10 +1,11 @@
 """Plausible BRDF: physically plausible reflectance in stock Blender.
 
-`brdf` is importable anywhere; what needs bpy is loaded when it is first asked for.
+`addon.brdf` can be imported without Blender. Modules that need bpy are loaded on first use.
 """
 
 
 def __getattr__(name):
+    """Loads `create_material` on first use, since it needs bpy."""
     if name == "create_material":
         from .blender.material.materials import create_material
 
@@ -20,7 +21,7 @@ def register():
 
 
 def unregister():
-    """Unregister the extension, leaving nothing behind."""
+    """Unregister the extension and remove everything that it registered."""
     from .blender import unregister as unregister_blender
 
     unregister_blender()

@@ -1,4 +1,4 @@
-"""The outside contract: reflectance models in NumPy, the reference for tables, shaders and tests. Never imports bpy."""
+"""The public interface: reflectance models in NumPy, the reference for tables, shaders and tests. Never imports bpy."""
 from .forms.albedo.tables import TableError
 from .models import MODELS, Model, Parameter, exponent_of_roughness, find_model, roughness_of_exponent
 

@@ -1,4 +1,4 @@
-"""Base lobes: near the target at every light direction, and nowhere where splats cannot make up for the difference.
+"""Base lobes: near the target at every light direction, and nowhere where kernels cannot make up for the difference.
 
 Blending and closures are written anew, as the shader blends and Cycles evaluates them, and read from the shipped file;
 nothing of the fit is shared. Targets are the models in NumPy.
@@ -19,9 +19,9 @@ FAMILIES = list(BASE["families"])
 # Blinn's super-metals at grazing, of which hardly anything is seen, are the worst.
 LEFT = {"phong": {60.0: 0.027, 80.0: 0.075, 88.0: 0.1}, "blinn": {60.0: 0.035, 80.0: 0.09, 88.0: 0.55}}
 MEAN_LEFT = {"phong": 0.007, "blinn": 0.023}
-HEAVIEST = 2.0  # a splat's weight, see osl/include/estimator.h
-OUT_OF_REACH = {80.0: 1e-3, 88.0: 0.02}  # of the energy: what of it splats do not make up for, being held back by that
-# Of the energy: what of the base is above the target and too much for holes, and what is below zero.
+HEAVIEST = 2.0  # a kernel's weight, see osl/include/estimator.h
+OUT_OF_REACH = {80.0: 1e-3, 88.0: 0.02}  # of the energy: what of it kernels do not make up for, being held back by that
+# Of the energy: what of the base is above the target and too much for negative kernels, and what is below zero.
 ABOVE = {"phong": {80.0: 2e-3, 88.0: 3.5e-3}, "blinn": {80.0: 5e-3, 88.0: 0.025}}
 BELOW = {"phong": 3e-5, "blinn": 2e-4}
 PLAIN = (0.0, False)
@@ -131,7 +131,7 @@ def beckmann(view, lean, alpha2, light):
 
 def measured(family, theta, n, choice, factor=1.0):
     """(size of what the base leaves over, what the shader takes it for, what of it is out of reach, what is above the
-    target and too much for holes, what is below zero), see LEFT and ABOVE; parts of the energy."""
+    target and too much for negative kernels, what is below zero), see LEFT and ABOVE; parts of the energy."""
     light, area = lights(family, theta, n)
     base, left = base_value(family, theta, n, light, choice)
     wanted = target(family, theta, n, light, choice)
@@ -145,7 +145,7 @@ def measured(family, theta, n, choice, factor=1.0):
 
 
 def room(family, theta, n, light):
-    """Solid angle of the widest hole at a light, a flat one of half its profile's, less a tenth."""
+    """Solid angle of the widest negative kernel at a light, a flat one of half its profile's, less a tenth."""
     width = 1.0 / np.sqrt(phong_exponent(family, n))
     if family == "blinn":
         width *= min(np.cos(theta) + 0.15 * width, 1.0)
@@ -153,7 +153,7 @@ def room(family, theta, n, light):
 
 
 def density(family, theta, n, light):
-    """What splats are drawn with, per solid angle: a power of R·L, or of N·H."""
+    """What kernels are drawn with, per solid angle: a power of R·L, or of N·H."""
     view = quadrature.view_at(np.cos(theta))
     if family == "phong":
         return (n + 1.0) / (2.0 * np.pi) * np.clip(light @ (view * [-1.0, -1.0, 1.0]), 0.0, None) ** n
@@ -192,7 +192,7 @@ def test_base_is_near_the_target(family):
     assert lost[degrees < 80.0].max() <= OUT_OF_REACH[80.0] and lost.max() <= OUT_OF_REACH[88.0], lost.max()
     assert above[degrees < 80.0].max() <= ABOVE[family][80.0] and above.max() <= ABOVE[family][88.0], above.max()
     assert below.max() <= BELOW[family], below.max()
-    # What the shader takes for left over says how many splats it draws.
+    # What the shader takes for left over says how many kernels it draws.
     assert 0.8 < np.median(told / left) < 1.2 and (told > 0.25 * left - 0.003).all()
 
 
@@ -222,7 +222,7 @@ def test_a_base_too_bright_or_too_dark_would_be_noticed(factor):
 def test_file_is_what_the_fit_declares():
     from addon.forms.base_lobes import closures, fit
 
-    assert (BASE["drawn"], BASE["hole"], BASE["grazing"]) == (fit.DRAWN, fit.HOLE, closures.GRAZING)
+    assert (BASE["drawn"], BASE["hole"], BASE["grazing"]) == (fit.DRAWN, fit.NEGATIVE_RADIUS, closures.GRAZING)
     assert tuple(BASE["features"]) == closures.FEATURES
     assert set(closures.FAMILIES) == set(FAMILIES)
     for name, family in closures.FAMILIES.items():

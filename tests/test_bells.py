@@ -37,7 +37,7 @@ def test_bells_are_hardly_above_the_lump_and_many_leave_less_than_few():
         over = np.maximum(-remainder(exponent, row), 0.0).sum() * WIDTH**2
         assert over < 0.004
         left.setdefault(exponent, []).append(np.maximum(remainder(exponent, row), 0.0).sum() * WIDTH**2)
-        assert bells.left_and_over(row, exponent) == pytest.approx((left[exponent][-1], over), abs=2e-3)
+        assert bells.residual_and_excess(row, exponent) == pytest.approx((left[exponent][-1], over), abs=2e-3)
     assert all(many < 0.7 * few for few, many in left.values())
     assert left[1.0][1] < 0.1 and left[4.0][1] < 0.02
 

@@ -63,7 +63,7 @@ def test_a_node_is_the_closure_that_it_is_taken_for(distribution):
 
 @pytest.mark.parametrize("model, exact", [("phong", True), ("pumped_phong", False), ("disk_scaling", False),
                                           ("ward", False)])
-def test_the_base_alone_is_the_model_without_splats(model, exact):
+def test_the_base_alone_is_the_model_without_kernels(model, exact):
     """Plain Phong's base is all there is; others lose a little light, and all of them their noise under a sun."""
     values = ["exponent=20.0"] if "exponent" in {p.id for p in MODELS[model].parameters} else []
     whole, base = nearest.ours(MODELS[model], values, 4), nearest.base_alone(MODELS[model], values)

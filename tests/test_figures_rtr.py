@@ -9,7 +9,7 @@ from addon import cli
 pytestmark = pytest.mark.blender
 RESOLUTION = (192, 192)
 EXPONENTS = (25.0, 100.0)
-BOUND = 0.02  # of a highlight's light: splats leave up to 0.01 of noise here
+BOUND = 0.02  # of a highlight's light: kernels leave up to 0.01 of noise here
 
 
 @pytest.fixture(scope="module")

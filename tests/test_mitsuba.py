@@ -100,7 +100,7 @@ MATERIALS = {"pumped_phong": {"exponent": 20.0, "base_color": (1.0, 0.7, 0.3)}, 
 # As wide by a twentieth less or more: what the picture of a sun must tell.
 PLANTED_WIDTHS = {"pumped_phong": {"exponent": 21.0}, "pumped_blinn": {"exponent": 42.0},
                   "disk_scaling": {"exponent": 10.5}, "ward": {"roughness_u": 0.315, "roughness_v": 0.315}}
-# How far Cycles may be off beside the noise, as it is an estimate by splats and weights: parts of a pixel, of the
+# How far Cycles may be off beside the noise, as it is an estimate by kernels and lobe rows: parts of a pixel, of the
 # brightest one, of all light.
 LOCAL, GLARE, TOTAL = 0.01, 0.003, 0.005
 LEVEL = significance(0.01, 2 * len(SCENES) * len(MATERIALS))

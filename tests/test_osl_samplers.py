@@ -1,6 +1,6 @@
-"""The directions that the shaders draw splats at, as Cycles draws them, against the density that they divide by.
+"""The directions that the shaders draw kernels at, as Cycles draws them, against the density that they divide by.
 
-Shaders are changed by a hook: where they would put a splat they emit its direction, or its density, and nothing
+Shaders are changed by a hook: where they would put a kernel they emit its direction, or its density, and nothing
 else. A million pixels are a million draws, of which chi-square tells whether they have the density; the densities are
 NumPy's, and the shaders' own are held against these number by number.
 """
@@ -31,9 +31,9 @@ SMALL, COARSE = 300, (60, 30)
 MANY = {"samples": 8}
 EDGE = 1e-6  # single precision tells directions to a tenth of this
 
-# What is put into a shader instead of a splat. Which of the hit's draws is shown is chosen by a number of its own:
+# What is put into a shader instead of a kernel. Which of the hit's draws is shown is chosen by a number of its own:
 # together they have the density, each alone a part of it.
-HOOK = "AT_SPLAT(light, beside, count)"
+HOOK = "AT_KERNEL(light, beside, count)"
 SHOWN = "if (k == min((int)((count) * hit_apart(P, 77.7, 0.5)), (count) - 1)) return color({what}) * emission();"
 
 
@@ -264,7 +264,7 @@ def _cells_of(baked, row, view):
         size, phi = np.hypot(x, y), np.arctan2(y, x)
         phi = np.abs(phi) if sides == 2.0 else phi
         ring = np.searchsorted(s, size, side="right") - 1
-        inside = (ring >= 0) & (ring < rings) & (light[:, 2] > -EDGE)  # of the others there are no splats
+        inside = (ring >= 0) & (ring < rings) & (light[:, 2] > -EDGE)  # of the others there are no kernels
         ring = np.clip(ring, 0, rings - 1)
         phi = edges[ring, 0] + (phi - edges[ring, 0]) % (2.0 * np.pi) if sides == 1.0 else phi
         turn = (phi[:, None] >= edges[ring]).sum(axis=1) - 1

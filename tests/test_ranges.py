@@ -124,7 +124,7 @@ def test_sets_are_in_the_order_that_the_shader_counts(zeros):
     text = assembler.assemble(MODELS["blinn_fresnel"], baked=baked)
     assert f"#define W_SETS {len(baked.nodes)}\n" in text and "#define RANGE_STEPS 2, 3\n" in text
     places = "range_place(base_color, 0.0, 1.0, 2, 0), range_place(color(exponent), 10.0, 20.0, 3, 1)"
-    assert f"#define RANGE_PLACES {places}\n" in text and "#define RANGE_SLOTS 0, -1, -1, -1, -1, -1\n" in text
+    assert f"#define RANGE_PLACES {places}\n" in text and "#define RANGE_STORAGE 0, -1, -1, -1, -1, -1\n" in text
     assert "abs(exponent -" not in text and "abs(diffuse_color[0] -" in text
 
 

@@ -270,7 +270,7 @@ def test_single_samples_are_finite_and_bounded(model, exponent, extreme):
     ("pumped_phong", {"exponent": 7.0, "fresnel_type": "schlick", "base_color": 0.04}),
 ], ids=name_of)
 def test_no_lamp_makes_a_sample_negative(model, parameters):
-    """A sun of no size shows the closures' sum at one light, sample by sample: at none may holes outweigh the base."""
+    """A sun of no size shows the closures' sum at one light, sample by sample: at none may negative kernels outweigh the base."""
     with scene.MeasuringScene(create_material(model, **parameters), scene.PLANE, 64) as place:
         sun = place.shine("SUN", (0.0, 0.0, 1.0), energy=scene.SUN_ENERGY, angle=0.0)
         for view_deg in (40.0, 80.0):
@@ -543,7 +543,7 @@ def test_a_socket_that_is_no_number_renders_numbers(name, value):
 
 @pytest.mark.parametrize("model", PUMPED)
 def test_without_light_spread(model):
-    """Splats as narrow as single precision allows blur nothing: along the crease, too, the lobe is the formula's."""
+    """Kernels as narrow as single precision allows blur nothing: along the crease, too, the lobe is the formula's."""
     parameters = shape(20.0, 1.0, True)
     material = create_material(model, **parameters, light_spread=0.0, samples=8)
     assert_good(furnace_report(model, parameters, (25.0, 60.0, 80.0), material), FURNACE_NOISE)
@@ -568,9 +568,9 @@ def test_a_planted_error_is_found(monkeypatch, error):
     assert {"total", "L1"} & set(sun_report(model, parameters, (40.0, 65.0)).faults(20.0))
 
 
-def test_missing_splats_are_found(monkeypatch):
+def test_missing_kernels_are_found(monkeypatch):
     """They carry no energy in the mean, so a single direction has to tell: on the crease at a grazing view."""
-    plant(monkeypatch, "SPLATS", "0")
+    plant(monkeypatch, "KERNELS", "0")
     model, parameters = "pumped_blinn", DEFAULT[1]
     view, lights = view_at(cosines([80.0])), measure.in_plane([80.0])
     f, _ = measure.goniometer(create_material(model, **parameters), 80.0, lights, samples=256)
@@ -578,7 +578,7 @@ def test_missing_splats_are_found(monkeypatch):
     assert (off > (POINT_BOUND + POINT_GRAINY) * peak_of(model, parameters, view)).all()
 
 
-def test_what_holes_cannot_take_away_is_taken_from_the_base():
+def test_what_negative_kernels_cannot_take_away_is_taken_from_the_base():
     """At grazing a super-metal's base is above the formula far out on the lobe: by 0.002 and 0.003 here."""
     given, degrees = {"exponent": 20.0, "pumps": 2.0, "control": False}, [80.0, 86.0]
     measured, noise = measure.furnace(create_material("pumped_blinn", **given), degrees, 2048, 16)

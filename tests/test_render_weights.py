@@ -80,7 +80,7 @@ def test_furnace_of_stretched_lobes(model, given):
 
 
 # (model, parameters, bound of the error per pixel, of the total). Wide lobes with kinks, and lobes of several colours,
-# leave more to splats.
+# leave more to kernels.
 KINKED, KINKED_TOTAL = 0.03, 0.012
 SUNS = [("ward", {}, 0.01, TOTAL_BOUND), ("he_torrance", {}, 0.01, TOTAL_BOUND),
         ("pumped_ward", {}, 0.01, TOTAL_BOUND), ("pumped_cosine_microfacet", {"exponent": 100.0}, 0.01, TOTAL_BOUND),

@@ -121,9 +121,9 @@ def test_functions_are_short_and_take_few_parameters(name):
 
 
 @pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
-def test_each_shader_has_the_hooks_of_splats(model):
+def test_each_shader_has_the_hooks_of_kernels(model):
     """Those that tests and benchmarks ask for would otherwise change nothing, and nobody would see."""
-    for hook in ("SPLATS", "AT_SPLAT", "SPOILT_U", "SPOILT_V"):
+    for hook in ("KERNELS", "AT_KERNEL", "SPOILT_U", "SPOILT_V"):
         assert sum(hook in names(code(FILES[name])) for name in files_of(model)) == 1, hook
 
 

@@ -102,10 +102,10 @@ def test_assembled_source_stands_alone(model, lut):
 
 def test_a_macro_can_be_put_in_place_of_another():
     model = MODELS["phong"]
-    text = assembler.assemble(model, defines={"SPLATS": "0", "MOST_samples": "3"})
-    assert macro(text, "SPLATS") == "0" and macro(text, "MOST_samples") == "3"
-    assert macro(assembler.assemble(model), "SPLATS") == "1"
-    with pytest.raises(ValueError, match="W_VIEWS.*phong.*SPLATS"):
+    text = assembler.assemble(model, defines={"KERNELS": "0", "MOST_samples": "3"})
+    assert macro(text, "KERNELS") == "0" and macro(text, "MOST_samples") == "3"
+    assert macro(assembler.assemble(model), "KERNELS") == "1"
+    with pytest.raises(ValueError, match="W_VIEWS.*phong.*KERNELS"):
         assembler.assemble(model, defines={"W_VIEWS": "3"})
 
 
@@ -181,8 +181,8 @@ def test_a_hit_has_room_for_its_closures(model):
     own = json.loads((resources.LUTS / "base_lobes.json").read_text(encoding="utf-8"))["families"]
     base = own[model.lobe.id]
     ramps = sum(2 if r["side"] else 1 for r in base["ramps"])
-    splats = next(p.maximum for p in model.parameters if p.id == "samples")
-    assert 3 * (ramps + splats) + len(base["facets"]) <= 48
+    kernels = next(p.maximum for p in model.parameters if p.id == "samples")
+    assert 3 * (ramps + kernels) + len(base["facets"]) <= 48
 
 
 @pytest.mark.parametrize("model", ON_BELLS.values(), ids=list(ON_BELLS))
@@ -194,12 +194,12 @@ def test_bells_are_put_in(model):
     assert f"#define BELLS_PER_UNIT {len(few) - 1} " in text and np.shape(few)[1] == 8
     assert f"#define STEEP_FROM {len(few) - len(steep)} " in text and np.shape(steep)[1] == 20
     # Cycles takes a sum of closures apart with a stack of 16: each is put before the sum, and so waits for none.
-    for function in ("splats", "estimate_lump"):
+    for function in ("kernels", "estimate_lump"):
         estimator = text.split(f"closure color {function}(")[1].split("\n}\n")[0]
         assert "sum +=" not in estimator and estimator.count("+ sum;") == 1
-    # 64 places: the middle bell and two rings, and the splats, of two lumps at most, and a diffuse part.
-    splats = next(p.maximum for p in model.parameters if p.id == "samples")
-    assert 2 * (13 + splats) + 1 <= 48
+    # 64 places: the middle bell and two rings, and the kernels, of two lumps at most, and a diffuse part.
+    kernels = next(p.maximum for p in model.parameters if p.id == "samples")
+    assert 2 * (13 + kernels) + 1 <= 48
 
 
 @pytest.mark.parametrize("model", BAKED.values(), ids=list(BAKED))

@@ -43,7 +43,7 @@ def lights_felt(view):
 def errors(model, given, baked, index, scale=1.0):
     """Largest error of the integrals of a row times smooth functions of the light, in parts of the albedo."""
     row = Row(baked, index)
-    light, energy = row.splats()
+    light, energy = row.kernels()
     x, area = (even_lights if model.id == "kajiya_kay" else half_vector_lights)(row.view, model, given)
     value = model.evaluate(row.view[None], x, **given)
     exact = (value if value.ndim == 2 else value[:, None]) * (x[:, 2] * area)[:, None]
@@ -82,7 +82,7 @@ def test_stretched_rows_are_the_formula(name, given):
         assert errors(model, given, baked, azimuth * views + row) < (0.03 if name == "kajiya_kay" else 0.015)
 
 
-def test_what_is_left_to_splats():
+def test_the_residual_of_kernels():
     """Little: it is what makes noise. Of what no base closure is like, such as strands, more."""
     shares = {name: row_bake.bake(MODELS[name], {}).residual.share
               for name in ("ward", "cook_torrance", "blinn_fresnel", "he_torrance", "lafortune")}

@@ -28,7 +28,7 @@ def test_the_albedo_between_rows(name, given):
         for index in (row, row + 1):
             one = Row(baked, index)
             one.view = view
-            shown.append(area @ one.base(light)[:, : baked.channels] + one.splats()[1].sum(axis=0))
+            shown.append(area @ one.base(light)[:, : baked.channels] + one.kernels()[1].sum(axis=0))
         albedo = model.albedo(np.cos(theta), **given).reshape(-1)
         error = np.mean(shown, axis=0) / albedo - 1.0
         assert np.abs(error).max() == pytest.approx(abs(found.albedo[i]), abs=2e-3)

@@ -1,11 +1,14 @@
 """The part that lives in Blender: registration, properties, operators, panels, nodes and materials."""
 import contextlib
 
-_registered = None
+_registered = None  # the ExitStack that undoes the registration; None while nothing is registered
 
 
 def _modules():
-    """What is registered, in this order. A module may have `prepare`, CLASSES, `start` and, to undo, `stop`."""
+    """The modules to register, in order.
+
+    A module may have `prepare`, CLASSES and `start`, which run in this order, and `stop`, which undoes `start`.
+    """
     from .backend import osl
     from .host import asset_library, row_cache, table_folder, table_job, translation
     from .material import row_jobs, upgrade, watch
@@ -32,12 +35,16 @@ def _modules():
 
 
 def register():
-    """Register everything. What fails is raised, after all that was registered before it is taken back."""
+    """Register all modules. An error unregisters the modules that were registered before it, and is raised again.
+
+    Raises RuntimeError if the extension is registered already.
+    """
     import bpy
 
     global _registered
     if _registered is not None:
         raise RuntimeError("Plausible BRDF is registered already")
+    # Each step adds its reverse to `undo`, which runs in reverse order on an error.
     with contextlib.ExitStack() as undo:
         for module in _modules():
             if hasattr(module, "prepare"):
@@ -49,11 +56,12 @@ def register():
                 module.start()
             if hasattr(module, "stop"):
                 undo.callback(module.stop)
+        # No error: keep the reverse steps for `unregister`.
         _registered = undo.pop_all()
 
 
 def unregister():
-    """Take back all that `register` did, last first."""
+    """Undo `register`, in reverse order. Does nothing if the extension is not registered."""
     global _registered
     registered, _registered = _registered, None
     if registered is not None:

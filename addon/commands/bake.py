@@ -126,8 +126,8 @@ def _state_weights(arguments):
         print(json.dumps(report))
         return
     print(f"{model.label}: {report['rows']} views, {report['numbers']} numbers, baked in {seconds:.1f} s\n"
-          f"left over to splats: {100.0 * report['left']:.2g} % of the light at the median view\n"
-          "between views that were baked, before the blur of splats:\n  view    lobe   albedo")
+          f"residual, for kernels: {100.0 * report['left']:.2g} % of the light at the median view\n"
+          "between views that were baked, before the blur of kernels:\n  view    lobe   albedo")
     for angle, lobe, albedo in zip(report["theta"], found.lobe, found.albedo, strict=True):
         print(f"{angle:5.1f}° {100.0 * lobe:6.2f} % {100.0 * albedo:+6.2f} %")
 
@@ -147,7 +147,7 @@ def _state_ranges(arguments, model, given):
     for name, values in report["steps"].items():
         print(f"{name}: {', '.join(f'{value:.4g}' for value in values)}")
     print(f"{model.label}: {report['sets']} sets of weights, {report['numbers']} numbers, baked in {seconds:.1f} s\n"
-          "between views, and halfway between steps, up to 80°, before the blur of splats: lobes within "
+          "between views, and halfway between steps, up to 80°, before the blur of kernels: lobes within "
           f"{100.0 * lobe:.2g} %, their light within {100.0 * albedo:.2g} %")
 
 

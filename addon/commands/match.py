@@ -12,7 +12,7 @@ from ..measure.specimen import settings
 from ..models import MODELS, find_model
 
 DESCRIPTION = ("Find the parameters with which a model's lobe is as wide as another's: seen along the normal, the "
-               "normalised BRDF falls to half at the same angle of the half vector (Sawicki, Modeling the metallic "
+               "normalized BRDF falls to half at the same angle of the half vector (Sawicki, Modeling the metallic "
                "reflection using appropriate BRDF model), along and across the tangent where the lobe is stretched. "
                "Or, --native, the inputs of Blender's Principled BSDF that come nearest to a model, or to each at its "
                "defaults, and what they err by in % of the model's light: of the lobe, under a sun, and of the "
@@ -71,7 +71,7 @@ def _native(arguments):
     if arguments.json:
         print(json.dumps([{"model": model.id, **asdict(inputs)} for model, inputs in found], indent=2))
         return
-    print(f"{'model':25}{'base colour':>20}{'metallic':>10}{'roughness':>11}{'IOR':>6}{'aniso.':>8}{'turn':>6}"
+    print(f"{'model':25}{'base color':>20}{'metallic':>10}{'roughness':>11}{'IOR':>6}{'aniso.':>8}{'turn':>6}"
           f"{'lobe':>9}{'albedo':>9}")
     for model, inputs in found:
         color = ", ".join(f"{c:.2f}" for c in inputs.base_color)

@@ -72,7 +72,7 @@ def _remainder(parameters, exponent, x, y):
     return lump - bells(parameters, x, y, deviation_of(exponent))
 
 
-def left_and_over(parameters, exponent):
+def residual_and_excess(parameters, exponent):
     """(volume of the lump that the bells leave, volume by which they are above it)."""
     x, y, area = points(exponent)
     remainder = _remainder(parameters, exponent, x, y)
@@ -94,7 +94,7 @@ def _fit_node(exponent, starts):
     from scipy.optimize import minimize
 
     def cost(parameters):
-        left, over = left_and_over(parameters, exponent)
+        left, over = residual_and_excess(parameters, exponent)
         widths = np.array(parameters)[[1, *range(4, len(parameters), 3)]]
         shares = np.array(parameters)[[0, *range(2, len(parameters), 3)]]
         outside = np.maximum(widths - WIDEST, 0.0) ** 2 + np.maximum(NARROWEST - widths, 0.0) ** 2

@@ -17,7 +17,7 @@ CREASE_COSINE = 0.03  # of that lean, at least: its logarithm is divided by
 # The coordinate of a view among the nodes of a fit, u = share w / (1 + w) + theta / pi.
 VIEW_SLOPE_SHARE = 0.5  # of w, the slope at the crease in parts of the lobe's width
 
-HOLE_EDGE = 1.3  # where a negative kernel ends, in parts of its radius: above the horizon
+NEGATIVE_EDGE = 1.3  # where a negative kernel ends, in parts of its radius: above the horizon
 
 # The Phong lobe that is as wide as a half-vector lobe.
 PHONG_PER_HALF = 0.25  # its exponent, in parts of the half-vector lobe's

@@ -24,7 +24,7 @@ class Measurement(NamedTuple):
 
 
 class Sphere(NamedTuple):
-    """A picture of a sphere: `image` (H, W, 3) radiance, row 0 at the bottom, and what each pixel's centre sees.
+    """A picture of a sphere: `image` (H, W, 3) radiance, row 0 at the bottom, and what each pixel's center sees.
 
     `covered` (H, W) tells the pixels that see the sphere, `normal` (H, W, 3) is N there and NaN elsewhere; all of them
     see along the same `view` (3,). The camera's right and up are +x and +y.
@@ -121,7 +121,7 @@ def across_lobe(view_deg: float, angles_deg) -> np.ndarray:
 
 
 def sphere(material, lamps=(), sky=0.0, image=None, samples=64, resolution=128, seed=0) -> Sphere:
-    """Picture of a sphere of radius 1 at the origin, seen from +z; a pixel sees its centre only.
+    """Picture of a sphere of radius 1 at the origin, seen from +z; a pixel sees its center only.
 
     `lamps`: (kind, direction, settings) each, as `MeasuringScene.shine` takes them, e.g. ("SUN", (0, 0, 1), {"energy":
     3.14, "angle": 0.0}). `sky` is radiance from everywhere, or scales the equirectangular HDRI file `image`.
@@ -133,8 +133,8 @@ def sphere(material, lamps=(), sky=0.0, image=None, samples=64, resolution=128, 
         width = 2.0 * (1.0 + 1.0 / resolution)
         place.look_from((0.0, 0.0, 1.0), width)
         picture = place.render(samples, seed)
-    centres = width * ((np.arange(resolution) + 0.5) / resolution - 0.5)
-    x, y = np.meshgrid(centres, centres)
+    centers = width * ((np.arange(resolution) + 0.5) / resolution - 0.5)
+    x, y = np.meshgrid(centers, centers)
     squared = 1.0 - x * x - y * y
     covered = squared > 0.0
     normal = np.stack([x, y, np.sqrt(np.maximum(squared, 0.0))], axis=-1)

@@ -37,15 +37,15 @@ def check(path):
         raise ValueError(f"no folder {path.parent}")
 
 
-def _is_grey(values):
+def _is_gray(values):
     return np.ptp(values, axis=-1).max() <= 1e-6 * max(np.abs(values).max(), 1e-30)
 
 
 def _series(values, reference):
-    """(label, colour, channel) of the lines to draw: one where all is grey."""
-    if _is_grey(values) and (reference is None or _is_grey(reference)):
+    """(label, color, channel) of the lines to draw: one where all is gray."""
+    if _is_gray(values) and (reference is None or _is_gray(reference)):
         return [("", VIEWS[0], 0)]
-    return [(name, colour, channel) for channel, (name, colour) in enumerate(CHANNELS)]
+    return [(name, color, channel) for channel, (name, color) in enumerate(CHANNELS)]
 
 
 def furnace(path, title: str, angles_deg, measured, noise, comparison=None, curve=None):
@@ -58,10 +58,10 @@ def furnace(path, title: str, angles_deg, measured, noise, comparison=None, curv
     figure, axes = plt.subplots(rows, 1, figsize=(7.2, 3.6 + 2.0 * (rows - 1)), sharex=True, squeeze=False,
                                 gridspec_kw={"height_ratios": [2.2, 1.0][:rows]}, layout="constrained")
     upper = axes[0, 0]
-    for label, colour, channel in _series(measured, None if curve is None else curve[1]):
+    for label, color, channel in _series(measured, None if curve is None else curve[1]):
         if curve is not None:
-            upper.plot(curve[0], curve[1][:, channel], color=colour, lw=1.6, label=f"formula {label}".strip())
-        upper.errorbar(angles_deg, measured[:, channel], SIGMAS * noise[:, channel], fmt="o", ms=5, color=colour,
+            upper.plot(curve[0], curve[1][:, channel], color=color, lw=1.6, label=f"formula {label}".strip())
+        upper.errorbar(angles_deg, measured[:, channel], SIGMAS * noise[:, channel], fmt="o", ms=5, color=color,
                        mfc="white", mew=1.4, capsize=2, label=f"rendered {label}".strip(), zorder=3)
     top = max(1.0, measured.max(), 0.0 if curve is None else curve[1].max())
     upper.set(ylabel="albedo", title=title, xlim=(-2.0, 91.0), ylim=(0.0, 1.06 * top))
@@ -79,9 +79,9 @@ def _errors(axis, x, comparison, label, unit):
     tolerance = comparison.tolerance / unit
     axis.axhspan(-tolerance, tolerance, color=BAND, lw=0)
     axis.axhline(0.0, color=INK, lw=0.8)
-    for _, colour, channel in _series(comparison.measured, comparison.reference):
+    for _, color, channel in _series(comparison.measured, comparison.reference):
         axis.errorbar(x, comparison.error[:, channel] / unit, SIGMAS * comparison.noise[:, channel] / unit,
-                      fmt="o", ms=4, color=colour, mfc="white", mew=1.2, capsize=2, lw=1.0)
+                      fmt="o", ms=4, color=color, mfc="white", mew=1.2, capsize=2, lw=1.0)
     reach = max(1.4 * tolerance, 1.15 * (np.abs(comparison.error) + SIGMAS * comparison.noise).max() / unit)
     axis.set(ylabel=label, ylim=(-reach, reach))
     axis.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3), useMathText=True)
@@ -100,25 +100,25 @@ def goniometer(path, title: str, sweeps):
     grid = figure.add_gridspec(2 if compared else 1, 2, width_ratios=[1.3, 1.0])
     lobe = figure.add_subplot(grid[:, 0], projection="polar")
     across = figure.add_subplot(grid[0, 1])
-    colours = {view: VIEWS[i % len(VIEWS)] for i, view in enumerate(dict.fromkeys(s["view_deg"] for s in sweeps))}
+    colors = {view: VIEWS[i % len(VIEWS)] for i, view in enumerate(dict.fromkeys(s["view_deg"] for s in sweeps))}
     for sweep in sweeps:
-        colour, flat = colours[sweep["view_deg"]], sweep["plane"] == "incidence"
+        color, flat = colors[sweep["view_deg"]], sweep["plane"] == "incidence"
         axis, turn = (lobe, np.radians) if flat else (across, np.asarray)
         if sweep["curve"] is not None:
-            axis.plot(turn(sweep["curve"][0]), sweep["curve"][1] @ LUMINANCE, color=colour, lw=1.5)
-        axis.plot(turn(sweep["angles_deg"]), sweep["measured"] @ LUMINANCE, "o", ms=4, color=colour, mfc="white",
+            axis.plot(turn(sweep["curve"][0]), sweep["curve"][1] @ LUMINANCE, color=color, lw=1.5)
+        axis.plot(turn(sweep["angles_deg"]), sweep["measured"] @ LUMINANCE, "o", ms=4, color=color, mfc="white",
                   mew=1.1, label=f"view at {sweep['view_deg']:g}°", zorder=3)
-    what = "" if all(_is_grey(sweep["measured"]) for sweep in sweeps) else "luminance, "
-    _finish_lobe(lobe, sweeps, colours, what + ("dots rendered, lines formula" if compared else "rendered"))
+    what = "" if all(_is_gray(sweep["measured"]) for sweep in sweeps) else "luminance, "
+    _finish_lobe(lobe, sweeps, colors, what + ("dots rendered, lines formula" if compared else "rendered"))
     across.set(xlabel="angle off the plane of incidence [degrees]", ylabel=r"$f\,(N\!\cdot\!L)$  [1/sr]")
     across.set_ylim(bottom=0.0)
     if compared:
-        _lobe_errors(figure.add_subplot(grid[1, 1]), sweeps, colours)
+        _lobe_errors(figure.add_subplot(grid[1, 1]), sweeps, colors)
     figure.savefig(path)
     plt.close(figure)
 
 
-def _finish_lobe(axis, sweeps, colours, caption):
+def _finish_lobe(axis, sweeps, colors, caption):
     """The half disc above the surface, normal up, viewers marked on its rim, and the legend under it."""
     axis.set_theta_zero_location("N")
     axis.set_theta_direction(-1)
@@ -129,15 +129,15 @@ def _finish_lobe(axis, sweeps, colours, caption):
     axis.set_rlabel_position(-90)
     axis.tick_params(axis="y", labelsize=8)
     axis.set_title(r"plane of incidence: $f\,(N\!\cdot\!L)$ [1/sr] over the light's angle", fontsize=10)
-    for view, colour in colours.items():
-        axis.plot([-np.radians(view)], [0.985 * axis.get_ylim()[1]], marker=(3, 0, view + 180), ms=9, color=colour,
+    for view, color in colors.items():
+        axis.plot([-np.radians(view)], [0.985 * axis.get_ylim()[1]], marker=(3, 0, view + 180), ms=9, color=color,
                   clip_on=False, ls="none")
     axis.legend(frameon=False, fontsize=9, ncols=4, loc="upper center", bbox_to_anchor=(0.5, 0.14),
                 columnspacing=1.4, handletextpad=0.2, title=f"{caption}; triangles are the viewers",
                 title_fontsize=9)
 
 
-def _lobe_errors(axis, sweeps, colours):
+def _lobe_errors(axis, sweeps, colors):
     """Errors in per cent of each sweep's own peak, in the plane (dots) and across it (crosses)."""
     reach = 0.0
     for sweep in (s for s in sweeps if s["comparison"] is not None):
@@ -147,7 +147,7 @@ def _lobe_errors(axis, sweeps, colours):
         bar = SIGMAS * (comparison.noise @ LUMINANCE) / peak
         flat = sweep["plane"] == "incidence"
         axis.errorbar(sweep["angles_deg"], error, bar, fmt="o" if flat else "x", ms=4, mfc="white", mew=1.1, lw=0.8,
-                      color=colours[sweep["view_deg"]])
+                      color=colors[sweep["view_deg"]])
         band = comparison.tolerance / peak
         reach = max(reach, 1.3 * band, 1.15 * float((np.abs(error) + bar).max()))
     axis.axhspan(-band, band, color=BAND, lw=0)

@@ -97,7 +97,7 @@ class MeasuringScene:
     there are no lights until `sky` and `shine`. `resolution` is the width and height in pixels. Use as a context
     manager: on leaving, all that was made is removed.
 
-    `exact_pixels` makes a pixel see its centre only; without it, it sees the usual 1.5 pixels around, which does not
+    `exact_pixels` makes a pixel see its center only; without it, it sees the usual 1.5 pixels around, which does not
     matter on a plane and gives shaders that hash the position more of it.
     """
 
@@ -145,7 +145,7 @@ class MeasuringScene:
         return thing
 
     def look_from(self, direction, width: float = 1.0):
-        """Put the camera in the unit vector `direction` (3,) from the origin, looking at it; it sees `width` metres."""
+        """Put the camera in the unit vector `direction` (3,) from the origin, looking at it; it sees `width` meters."""
         cosine = max(abs(float(direction[2])), 1e-3)
         self._camera.data.ortho_scale = width
         _place(self._camera, direction, max(10.0, 2.0 * width / cosine))  # the lowest pixel stays above the plane
@@ -160,9 +160,9 @@ class MeasuringScene:
         nodes.clear()
         background, output = nodes.new("ShaderNodeBackground"), nodes.new("ShaderNodeOutputWorld")
         links.new(background.outputs[0], output.inputs["Surface"])
-        colour = np.broadcast_to(np.asarray(radiance, dtype=np.float64), (3,))
-        strength = max(float(colour.max()), 1e-30)
-        background.inputs["Color"].default_value = (*(colour / strength), 1.0)
+        color = np.broadcast_to(np.asarray(radiance, dtype=np.float64), (3,))
+        strength = max(float(color.max()), 1e-30)
+        background.inputs["Color"].default_value = (*(color / strength), 1.0)
         background.inputs["Strength"].default_value = strength
         if image is not None:
             texture = nodes.new("ShaderNodeTexEnvironment")
@@ -172,7 +172,7 @@ class MeasuringScene:
     def shine(self, kind: str, direction, **settings):
         """Add a lamp of Blender's `kind` ("SUN", "AREA"), `settings` being its properties; returns its object.
 
-        `direction` (3,) is the unit vector to it. `distance` (metres, 10 by default) is where a lamp with a place is.
+        `direction` (3,) is the unit vector to it. `distance` (meters, 10 by default) is where a lamp with a place is.
         """
         distance = settings.pop("distance", 10.0)
         light = self._keep(self._bpy.data.lights, self._bpy.data.lights.new("Plausible Lamp", kind))
@@ -184,11 +184,11 @@ class MeasuringScene:
 
     @staticmethod
     def aim(lamp, direction, distance: float = 10.0):
-        """Move `lamp` to `distance` metres in the unit vector `direction` (3,), shining at the origin."""
+        """Move `lamp` to `distance` meters in the unit vector `direction` (3,), shining at the origin."""
         _place(lamp, direction, distance)
 
     def floor(self, material):
-        """Put a floor of `material`, 8 metres across, under the ball."""
+        """Put a floor of `material`, 8 meters across, under the ball."""
         data = self._bpy.data
         mesh = self._keep(data.meshes, data.meshes.new("Plausible Floor"))
         mesh.from_pydata([(x, y, -1.0) for x, y in ((-4, -4), (4, -4), (4, 4), (-4, 4))], [], [(0, 1, 2, 3)])
@@ -249,14 +249,14 @@ def _place(thing, direction, distance):
 
 
 def _fill_plane(mesh):
-    size = 1e4  # metres: reaches past the picture at every angle up to 89.9 degrees
+    size = 1e4  # meters: reaches past the picture at every angle up to 89.9 degrees
     corners = [(-size, -size, 0.0), (size, -size, 0.0), (size, size, 0.0), (-size, size, 0.0)]
     mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
     mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", [0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0])
 
 
 def _fill_ball(mesh):
-    """An icosphere of radius 1 whose normals are radial: interpolated over a face they still point from the centre."""
+    """An icosphere of radius 1 whose normals are radial: interpolated over a face they still point from the center."""
     import bmesh
 
     shape = bmesh.new()
@@ -288,7 +288,7 @@ def _settle(scene, resolution, exact_pixels):
     cycles.device = "CPU"
     cycles.shading_system = False  # see `prepare`
     cycles.use_denoising = cycles.use_adaptive_sampling = cycles.use_guiding = False
-    cycles.sampling_pattern = "TABULATED_SOBOL"  # the default pattern ties neighbouring pixels' noise together
+    cycles.sampling_pattern = "TABULATED_SOBOL"  # the default pattern ties neighboring pixels' noise together
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = 1
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
     cycles.light_sampling_threshold = cycles.blur_glossy = 0.0

@@ -1,4 +1,4 @@
-"""What a model is: formula, sampler, density, albedo by quadrature, and its parameters, declared once."""
+"""The models: formula, sampler, density, albedo by quadrature, and parameters. Each is declared once, in `formulas`."""
 from . import formulas as _formulas  # noqa: F401  (fills the registry)
 from .parameters import Parameter, exponent_of_roughness, roughness_of_exponent
 from .registry import MODELS, Model, find_model

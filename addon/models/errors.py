@@ -1,29 +1,30 @@
-"""Errors that say in fields what is wrong, beside the sentence that a user reads.
+"""Errors with a sentence for the user and fields for a program.
 
-All are ValueErrors: who catches those, as every command does, catches these.
+All are subclasses of ValueError, which every command catches.
 """
 
 
 class BrdfError(ValueError):
-    """What was asked cannot be done; `code` names the kind of fault, "" where the class says it all."""
+    """The base class of this module's errors. `code` names the kind of fault, or is "" if the class alone does."""
 
     def __init__(self, message: str, code: str = ""):
         super().__init__(message)
         self.code = code
 
     def __reduce__(self):
+        """Pickling support: the default calls the class with the message alone, which the subclasses do not accept."""
         return _rebuilt, (type(self), self.args, self.__dict__)
 
 
 def _rebuilt(kind, args, fields):
-    """An error that was sent from another process: its fields, without the sentence being made anew."""
+    """Unpickles an error: restores its fields and its message without a call of __init__."""
     error = kind.__new__(kind, *args)
     error.__dict__.update(fields)
     return error
 
 
 class UnknownModel(BrdfError):
-    """No model is called `model`; `allowed` are the ids of those that there are."""
+    """No model has the id `model`. `allowed` are the ids of all models."""
 
     def __init__(self, model, allowed):
         self.model, self.allowed = model, tuple(allowed)
@@ -31,7 +32,7 @@ class UnknownModel(BrdfError):
 
 
 class DuplicateModel(BrdfError):
-    """A second model called `model`."""
+    """The id `model` belongs to a registered model already."""
 
     def __init__(self, model):
         self.model = model
@@ -39,7 +40,7 @@ class DuplicateModel(BrdfError):
 
 
 class UnknownParameter(BrdfError):
-    """The model `model` has no parameter called `parameter`; `allowed` are the ids of those that it has."""
+    """The model `model` has no parameter with the id `parameter`. `allowed` are the ids of its parameters."""
 
     def __init__(self, model, parameter, allowed):
         self.model, self.parameter, self.allowed = model, parameter, tuple(allowed)
@@ -47,10 +48,13 @@ class UnknownParameter(BrdfError):
 
 
 class ParameterError(BrdfError):
-    """A parameter cannot have a value.
+    """`value` is not allowed for `parameter`, an id.
 
-    `code` is "type" or "shape", where `value` is nothing of the parameter's kind; "range", beyond `allowed` = (least,
-    most); "choice", none of the texts `allowed`; or "path", of no file.
+    `code` is one of:
+    - "type", "shape": the value is not of the parameter's kind.
+    - "range": the value is outside `allowed` = (least, most).
+    - "choice": the value is not among the names `allowed`.
+    - "path": the value cannot be a file's path.
     """
 
     def __init__(self, parameter, code, value, problem, allowed=()):
@@ -59,10 +63,10 @@ class ParameterError(BrdfError):
 
 
 class ArgumentError(BrdfError):
-    """An array that a model is evaluated at is not what it should be: `argument` is view, light, u or cos_theta.
+    """An array argument of a model's method is not valid. `argument` is view, light, u or cos_theta.
 
-    `code` is "type", "shape", "finite", "length" (of vectors that are no unit vectors), "range" or "rows" (of two
-    arguments that do not go together).
+    `code` is "type", "shape", "finite", "length" (vectors are not of unit length), "range" or "rows" (two arguments
+    have different numbers of rows).
     """
 
     def __init__(self, argument, code, problem):
@@ -71,10 +75,10 @@ class ArgumentError(BrdfError):
 
 
 class ImageError(BrdfError):
-    """An image cannot be used. `path` is its file, None where it is none.
+    """An image cannot be used. `path` is its file, or None if the image is not from a file.
 
-    `code` is "missing", "unreadable", "reader" (a package is missing), "format", "damaged"; and of a distribution of
-    half vectors "square", "size", "pixel" or "black".
+    `code` is "missing", "unreadable", "reader" (the package that reads it is missing), "format" or "damaged". For a
+    distribution of half vectors it can also be "square", "size", "pixel" or "black".
     """
 
     def __init__(self, message, code, path=None):

@@ -5,16 +5,18 @@ from .errors import ArgumentError
 
 
 def directions(name: str, value) -> np.ndarray:
-    """Return `value` as unit vectors (N, 3), float64.
+    """Returns `value` as unit vectors (N, 3), float64. `name` is the argument's name in messages.
 
-    Raises ValueError when the shape is wrong, a component is not finite or a vector is not of unit length within 1e-4.
+    Raises ArgumentError if the shape is wrong, a component is not finite, or a length differs from 1 by more than 1e-4.
     """
+    # Type and shape.
     try:
         array = np.atleast_2d(np.asarray(value, dtype=np.float64))
     except (TypeError, ValueError):
         raise ArgumentError(name, "type", f"expected unit vectors of shape (N, 3), got {value!r}") from None
     if array.ndim != 2 or array.shape[1] != 3:
         raise ArgumentError(name, "shape", f"expected unit vectors of shape (N, 3), got shape {np.shape(value)}")
+    # Components and lengths.
     if not np.isfinite(array).all():
         bad = array[~np.isfinite(array).all(axis=1)][0]
         raise ArgumentError(name, "finite", f"every component must be finite, got {bad.tolist()}")
@@ -26,7 +28,10 @@ def directions(name: str, value) -> np.ndarray:
 
 
 def paired(first: str, a: np.ndarray, second: str, b: np.ndarray):
-    """`a` and `b` as equally many rows; one row counts for all. Raises ValueError with their names where it cannot."""
+    """`a` and `b` broadcast to the same number of rows. One row stands for all.
+
+    Raises ArgumentError with the names `first` and `second` if the numbers of rows differ and neither is 1.
+    """
     if len(a) != len(b) and 1 not in (len(a), len(b)):
         raise ArgumentError(f"{first}, {second}", "rows",
                             f"expected equally many rows, or one for all, got {len(a)} and {len(b)}")
@@ -40,7 +45,7 @@ def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def normalize(a: np.ndarray) -> np.ndarray:
-    """Rows of `a` scaled to length 1; a null row becomes the normal."""
+    """Rows of `a` scaled to length 1. A zero vector becomes the normal."""
     length = np.linalg.norm(a, axis=-1, keepdims=True)
     return np.where(length > 0.0, a / np.where(length > 0.0, length, 1.0), [0.0, 0.0, 1.0])
 
@@ -67,23 +72,25 @@ def view_at(cos_theta) -> np.ndarray:
 
 
 def in_plane(angle) -> np.ndarray:
-    """Directions (N, 3) in the x-z plane, `angle` degrees (N,) from the normal towards +x."""
+    """Directions (N, 3) in the x-z plane, at `angle` (N,) in degrees from the normal toward +x."""
     angle = np.radians(np.atleast_1d(np.asarray(angle, dtype=np.float64)))
     return np.stack([np.sin(angle), np.zeros_like(angle), np.cos(angle)], axis=-1)
 
 
 def around(axis: np.ndarray, cos_delta: np.ndarray, phi: np.ndarray) -> np.ndarray:
-    """Directions at the angle acos(cos_delta) from the unit vectors `axis` and the azimuth `phi`, shape (N, 3).
+    """Directions at the angle acos(cos_delta) from the unit vectors `axis` and at the azimuth `phi`, shape (N, 3).
 
-    The frame about the axis is continuous but for the axis -z (Duff et al. 2017, "Building an Orthonormal Basis,
+    The frame about the axis is continuous except at the axis -z (Duff et al. 2017, "Building an Orthonormal Basis,
     Revisited").
     """
+    # An orthonormal basis about the axis.
     x, y, z = axis[..., 0], axis[..., 1], axis[..., 2]
     sign = np.where(z >= 0.0, 1.0, -1.0)
     a = -1.0 / (sign + z)
     b = x * y * a
     tangent = np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], axis=-1)
     bitangent = np.stack([b, sign + y * y * a, -y], axis=-1)
+    # The direction's components in this basis.
     sin_delta = np.sqrt(np.maximum(0.0, 1.0 - cos_delta * cos_delta))
     return (
         (sin_delta * np.cos(phi))[..., None] * tangent

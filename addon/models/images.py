@@ -1,7 +1,7 @@
-"""Images from files: their luminance, by the formats that this package or OpenImageIO reads.
+"""The luminance of image files.
 
-OpenImageIO, which Blender bundles from version 4.5 on, is imported when a file needs it: all that is no uncompressed
-float EXR.
+This package reads uncompressed EXR of four float channels itself. All other files need OpenImageIO, which Blender
+bundles from version 4.5 on. It is imported only for such a file.
 """
 from pathlib import Path
 
@@ -11,11 +11,12 @@ from . import exr
 from .channels import LUMINANCE
 from .errors import ImageError
 
-_DEPTHS = ("uint8", "uint16")  # painted images: sRGB's curve is on them
+# Formats of images that store sRGB-encoded values. Float images are linear.
+_ENCODED = ("uint8", "uint16")
 
 
 def stamp(path) -> tuple:
-    """(time of the last change in ns, bytes) of a file, which change with it; () where there is none."""
+    """(time of the last change in ns, size in bytes) of a file, which change with its contents. () if there is none."""
     try:
         state = Path(path).stat()
     except OSError:
@@ -26,8 +27,8 @@ def stamp(path) -> tuple:
 def luminance(path) -> np.ndarray:
     """Linear luminance (height, width) of an image, float64, row 0 at the top.
 
-    Float images hold linear Rec. 709, those of 8 or 16 bits sRGB. Raises ImageError that names the file and what is
-    wrong with it.
+    Float images contain linear Rec. 709, images of 8 or 16 bits sRGB. Raises ImageError, which names the file and the
+    fault.
     """
     path = Path(path)
     if not path.is_file():
@@ -42,6 +43,7 @@ def luminance(path) -> np.ndarray:
 
 
 def _by_openimageio(path):
+    """Linear pixels (height, width, channels), float64, of any file that OpenImageIO reads."""
     try:
         import OpenImageIO
     except ImportError:
@@ -50,7 +52,7 @@ def _by_openimageio(path):
     file = OpenImageIO.ImageInput.open(str(path))
     if file is None:
         problem = OpenImageIO.geterror().strip().splitlines()[0]
-        raise ImageError(f"image: {path} is no image ({problem})", "format", path)
+        raise ImageError(f"image: {path} is not an image ({problem})", "format", path)
     try:
         pixels, kind = file.read_image("float"), str(file.spec().format)
     finally:
@@ -58,9 +60,9 @@ def _by_openimageio(path):
     if pixels is None:
         raise ImageError(f"image: {path} is damaged ({file.geterror().strip().splitlines()[0]})", "damaged", path)
     pixels = np.atleast_3d(np.asarray(pixels, dtype=np.float64))
-    return _linear(pixels) if kind in _DEPTHS else pixels
+    return _linear(pixels) if kind in _ENCODED else pixels
 
 
 def _linear(encoded):
-    """Linear values of sRGB's, 0..1 (IEC 61966-2-1)."""
+    """Linear values of sRGB-encoded ones, both 0..1 (IEC 61966-2-1)."""
     return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)

@@ -1,4 +1,4 @@
-"""A parameter of a model: what it is called, of which kind it is, and which values it takes."""
+"""A model's parameter: its name, its kind and the values that it takes."""
 import math
 import os
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ import numpy as np
 from . import images
 from .errors import ParameterError
 
-# Sections that parameters are shown in, in nodes, panels and pages.
+# The sections in which nodes, panels and pages group parameters.
 LOBE, RETROREFLECTION, COLOR, GEOMETRY, SAMPLING = "Lobe", "Retroreflection", "Color", "Geometry", "Sampling"
 
 
@@ -16,11 +16,13 @@ LOBE, RETROREFLECTION, COLOR, GEOMETRY, SAMPLING = "Lobe", "Retroreflection", "C
 class Parameter:
     """One input of a model.
 
-    `kind` is "float", "int", "bool", "enum" (an int, the index among `items`), "color" (a tuple of linear RGB),
-    "vector" (a tuple of three) or "image" (the path of a file, as text). `id` names it in code and files, `label` and
-    `help` are shown; `items` are (name, label, help) each. Numbers, and each channel of a colour, are within `minimum`
-    .. `maximum`. `evaluated` is False for a parameter of the renderer's estimator only, which the formula does not
-    have. `logarithmic` is True for exponents: a lobe's width goes with 1 over the root of them.
+    - `id`: the name in code and files. `label` and `help` are shown to users.
+    - `kind`: "float", "int", "bool", "enum" (an int, the index in `items`), "color" (a tuple of linear RGB), "vector"
+      (a tuple of three) or "image" (a file's path, as text).
+    - `minimum`, `maximum`: the range of numbers, and of each channel of a color.
+    - `items`: the choices of an enum, each (name, label, help).
+    - `evaluated`: False for a parameter of the renderer's estimator, which the formula does not contain.
+    - `logarithmic`: True for exponents. A lobe's width is in proportion to 1 / sqrt(exponent).
     """
 
     id: str
@@ -37,7 +39,7 @@ class Parameter:
 
     @property
     def section(self) -> str:
-        """Where it is shown: one of LOBE, RETROREFLECTION, COLOR, GEOMETRY, SAMPLING, by what it is."""
+        """The section of nodes, panels and pages: one of LOBE, RETROREFLECTION, COLOR, GEOMETRY, SAMPLING."""
         if self.kind == "vector":
             return GEOMETRY
         if not self.evaluated:
@@ -48,24 +50,24 @@ class Parameter:
 
     @property
     def can_be_driven(self) -> bool:
-        """Whether a model that is baked for the parameter can be so over a range of it."""
+        """Whether a baked model can be baked over a range of the parameter, so that a link can drive it."""
         return self.evaluated and self.kind not in ("image", "vector")
 
     @property
     def is_whole(self) -> bool:
-        """Whether it is a switch, a choice or a count, with nothing between its values."""
+        """Whether the parameter is a switch, a choice or a count: it has no values between whole numbers."""
         return self.kind in ("bool", "int", "enum")
 
     @property
     def is_width(self) -> bool:
-        """Whether it scales a lobe: equal ratios of it are equal steps."""
+        """Whether the parameter scales a lobe's width: equal ratios are equal steps."""
         return self.kind == "float" and self.minimum > 0.0
 
     def usual_range(self, value) -> tuple:
-        """(least, most) of a driven parameter that has the `value` where nothing drives it: a first guess."""
+        """(least, most): a first guess of a driven parameter's range, about the `value` of its unlinked socket."""
         if self.is_width:
-            times = 4.0 if self.logarithmic else 2.0
-            low, high = value / times, value * times
+            ratio = 4.0 if self.logarithmic else 2.0
+            low, high = value / ratio, value * ratio
         elif self.kind == "color" and self.maximum > 1.0:
             low, high = 0.5 * min(value), max(2.0 * max(value), 1.0)
         else:
@@ -73,7 +75,11 @@ class Parameter:
         return max(low, self.minimum), min(high, self.maximum)
 
     def check(self, value):
-        """`value` in the parameter's type. Raises ParameterError that names the value and what is allowed."""
+        """Returns `value` converted to the parameter's type. An enum accepts an item's name, a color one number.
+
+        Raises ParameterError, which names the value and the allowed values.
+        """
+        # Kinds that are no number.
         if self.kind in ("color", "vector"):
             return self._check_triple(value)
         if self.kind == "image":
@@ -83,6 +89,7 @@ class Parameter:
             if value not in names:
                 raise ParameterError(self.id, "choice", value, f"{value!r} is not one of {', '.join(names)}", names)
             return names.index(value)
+        # Numbers.
         try:
             number = float(value)
         except (TypeError, ValueError):
@@ -96,7 +103,7 @@ class Parameter:
         return bool(number) if self.kind == "bool" else int(number)
 
     def clamp(self, value):
-        """Clamps `value`, of the parameter's type, to the range; NaN becomes the default. A path stays as it is."""
+        """Clamps `value`, of the parameter's type, to the range. NaN becomes the default. A path is unchanged."""
         if self.kind == "image":
             return value
         if self.kind in ("color", "vector"):
@@ -105,17 +112,17 @@ class Parameter:
         return type(value)(min(max(value, self.minimum), self.maximum)) if value == value else self.default
 
     def single(self, value):
-        """`value` as a socket holds it, in single precision; still within the range."""
+        """`value` rounded to single precision, as a socket stores it, and clamped to the range."""
         if self.kind in ("color", "vector"):
             value = tuple(float(np.float32(c)) for c in value)
         return self.clamp(float(np.float32(value)) if self.kind == "float" else value)
 
     def stamp(self, value) -> tuple:
-        """The stamp of an image's file, which changes with it; () of other kinds, and where there is no file."""
+        """The stamp of an image's file, which changes with the file. () for other kinds and for missing files."""
         return images.stamp(value) if self.kind == "image" and value else ()
 
-    def _outside(self, value, shown):
-        return ParameterError(self.id, "range", value, f"{shown} is outside {self.minimum:g} .. {self.maximum:g}",
+    def _outside(self, value, text):
+        return ParameterError(self.id, "range", value, f"{text} is outside {self.minimum:g} .. {self.maximum:g}",
                               (self.minimum, self.maximum))
 
     def _check_path(self, value):

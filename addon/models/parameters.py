@@ -6,22 +6,25 @@ import math
 
 from .parameter import COLOR, GEOMETRY, LOBE, RETROREFLECTION, SAMPLING, Parameter  # noqa: F401 (sections, beside these)
 
-MIN_EXPONENT, MAX_EXPONENT = 1.0, 100000.0  # of the shaders that have tables
-LEAST_ROUGHNESS = 1e-4  # smaller ones are taken for it
-BECKMANN_POWER = 2.0  # this / alpha² - this is the half-vector power that is as wide as Beckmann's lobe
+# The range of exponents of the models with albedo tables.
+MIN_EXPONENT, MAX_EXPONENT = 1.0, 100000.0
+# Smaller roughnesses are clamped to this one.
+LEAST_ROUGHNESS = 1e-4
+# The half-vector power with the exponent BECKMANN_POWER / alpha² - BECKMANN_POWER is as wide as Beckmann's lobe.
+BECKMANN_POWER = 2.0
 
 
 def exponent_of_roughness(roughness: float) -> float:
     """Exponent n = 2/alpha^2 - 2 with alpha = roughness^2, clamped to the range of exponents.
 
-    Equates the half-vector power cos^n with a Beckmann lobe of width alpha (Walter et al. 2007, section 5.2).
+    The half-vector power cos^n is then as wide as a Beckmann lobe of width alpha (Walter et al. 2007, section 5.2).
     """
     alpha = max(float(roughness), LEAST_ROUGHNESS) ** 2
     return min(max(BECKMANN_POWER / (alpha * alpha) - BECKMANN_POWER, MIN_EXPONENT), MAX_EXPONENT)
 
 
 def roughness_of_exponent(exponent: float) -> float:
-    """Roughness r with exponent_of_roughness(r) = exponent, 0..1."""
+    """Roughness r in 0..1 with exponent_of_roughness(r) = exponent. The exponent is 0 or more."""
     return (BECKMANN_POWER / (float(exponent) + BECKMANN_POWER)) ** 0.25
 
 
@@ -33,19 +36,19 @@ SHAPE = (
     Parameter("roughness", "Roughness", "float", 0.55,
               "Roughness r with alpha = r², n = 2/alpha² - 2, held to exponents from 1 to 100000"),
 )
-# How far the albedo of a pumped model is raised.
+# The correction of pumped models.
 PUMPING = (
     Parameter("pumps", "Pumps", "float", 1.0,
               "How often the albedo is pumped up; fractions pump in part. 0 is the plain model", 0.0, 4.0),
     Parameter("control", "Controlled", "bool", True,
               "Keep the mirror image from getting brighter than what it mirrors (controlled pumping)"),
 )
-# A colour with a choice of Fresnel.
+# A color with a choice of the Fresnel factor.
 COLOUR = (
     Parameter("base_color", "Color", "color", (1.0, 1.0, 1.0), "Reflectance at normal incidence, linear RGB", 0.0, 1.0),
     Parameter("fresnel_type", "Fresnel", "enum", 0,
-              "How the colour changes with the angle between view and half vector", 0, 2,
-              items=(("constant", "Constant", "The same colour at every angle"),
+              "How the color changes with the angle between view and half vector", 0, 2,
+              items=(("constant", "Constant", "The same color at every angle"),
                      ("schlick", "Schlick", "From Color at normal incidence to Edge Color at grazing"),
                      ("conductor", "Conductor", "Exact reflectance of a metal from its n and k"))),
     Parameter("f90", "Edge Color", "color", (1.0, 1.0, 1.0), "Reflectance at grazing incidence (Schlick)", 0.0, 1.0),
@@ -54,20 +57,20 @@ COLOUR = (
     Parameter("extinction", "Extinction k", "color", (3.9, 2.45, 2.14), "Imaginary part of the index (Conductor)",
               0.0, 40.0),
 )
-# What steers the renderer only; every model has these.
+# Parameters of the renderer's estimator. Every model has them.
 ESTIMATOR = (
     Parameter("shading_normal", "Normal", "vector", (0.0, 0.0, 0.0), "Shading normal; unlinked it is the surface's own",
               -math.inf, math.inf, evaluated=False),
     Parameter("samples", "Samples per Hit", "int", 4,
-              "Directions drawn at each hit for what the base lobes leave over: more is less noise and more time",
+              "Directions drawn at each hit for the residual of the base lobes: more is less noise and more time",
               1, 8, evaluated=False),
     Parameter("light_spread", "Light Spread", "float", 1.0,
-              "Width of the splat around each drawn direction; 0 is as narrow as can be: exact, and grainy",
+              "Width of the kernel around each drawn direction; 0 is as narrow as can be: exact, and grainy",
               0.0, 2.0, evaluated=False),
 )
 
 
-# Of the half-vector disk's lumps (Edwards et al.).
+# Lumps on the halfway vector disk (Edwards et al. 2006).
 
 
 def _lump_exponent(name, label, default, text):
@@ -88,7 +91,7 @@ EDGE = (
     Parameter("base_color", "Color", "color", (1.0, 1.0, 1.0), "Reflectance at normal incidence, linear RGB"),
     Parameter("f90", "Edge Color", "color", (1.0, 1.0, 1.0), "Reflectance at grazing incidence"),
 )
-# Edwards' empirical model: a lump that may reflect back, over a diffuse part.
+# Edwards' empirical model: a specular and a retroreflective lump over a diffuse part.
 EMPIRICAL = (
     Parameter("diffuse_color", "Diffuse Color", "color", (0.3, 0.3, 0.3), "Color of what the surface lets in"),
     Parameter("base_color", "Specular Color", "color", (0.04, 0.04, 0.04),
@@ -122,7 +125,7 @@ TANGENT = (
               "Direction that Radius U is measured along; unlinked it runs around the object's z axis",
               -math.inf, math.inf, evaluated=False),
 )
-# A lobe as a picture.
+# A lobe from an image.
 IMAGE = (
     Parameter("image", "Image", "image", "", "Picture of the highlight: the hemisphere of half vectors from above, the "
               "tangent to the right. Only proportions count; empty it is a star", -math.inf, math.inf),
@@ -130,7 +133,9 @@ IMAGE = (
 )
 
 
-# Of the literature's models. What is narrower than the least width would be a mirror to a renderer.
+# The literature's models.
+
+# The range of slopes. Narrower lobes would be mirrors to a renderer.
 _WIDTH = {"minimum": 0.01, "maximum": 1.0}
 SLOPE = (Parameter("roughness", "Slope m", "float", 0.2, "Slope m of the microfacets, √2 times its root mean square",
                    **_WIDTH),)
@@ -149,14 +154,14 @@ POWERS = (
     Parameter("exponent_v", "Exponent V", "float", 50.0, "Exponent of the lobe across the tangent", 1.0, 10000.0,
               logarithmic=True),
 )
-# Of Embrechts' model.
+# Embrechts' model.
 SMOOTHNESS = (
     Parameter("smoothness", "Smoothness s", "float", 5.0, "Smoothness s, one over the slope of the surface", 1.0,
               100.0),
     Parameter("scattering", "Scattering", "float", 1.0, "Share a_sc of the light that is scattered about the mirror "
               "direction"),
 )
-# Of He and Torrance's model: a surface's statistics and the light's wavelength.
+# He and Torrance's model: the surface's statistics and the light's wavelength.
 SURFACE = (
     Parameter("sigma", "Height σ₀", "float", 0.1, "Root mean square height of the surface in micrometres", 0.01, 1.0),
     Parameter("tau", "Correlation τ", "float", 1.7, "Correlation length of the surface in micrometres", 0.2, 20.0),

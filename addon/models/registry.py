@@ -1,4 +1,4 @@
-"""The registry of models: sockets, panel, bake jobs, command line and tests are made of what is declared here, once."""
+"""The registry of models. Sockets, panel, bake jobs, command line and tests derive from the models declared in it."""
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -7,6 +7,7 @@ from .errors import ArgumentError, DuplicateModel, UnknownModel, UnknownParamete
 from .geometry import directions, paired
 from .parameters import Parameter
 
+# {id: model}, in the order of registration.
 MODELS = {}
 
 
@@ -14,10 +15,13 @@ MODELS = {}
 class Model:
     """A reflectance model as declared: names, parameters, formula and sources.
 
-    The subclasses `LobeModel` and `DiskModel` say what it computes. All methods take the model's parameters by id and
-    raise ValueError that names what is wrong. `width_parameter` names the parameter that widens or narrows the lobe,
-    None where none does. The parameters `widened_with` it belong to other lobes and are scaled by the same factor. An
-    exponent is the power of one of `power_bases`, which changes so that the power stays.
+    The subclasses `FormulaModel`, `LobeModel` and `DiskModel` implement the formula. All methods take the model's
+    parameters by id, and raise ValueError that names the fault.
+
+    - `width_parameter`: the id of the parameter that widens or narrows the lobe, or None.
+    - `widened_with`: ids of other lobes' width parameters, which are scaled by the same factor.
+    - `power_bases`: ids of the bases that exponents apply to. When an exponent is scaled, they change so that the
+      powers stay the same.
     """
 
     id: str
@@ -32,41 +36,45 @@ class Model:
 
     @property
     def axes(self) -> tuple:
-        """The parameters that stretch the lobe along and across the tangent, by id; () where it is round."""
+        """Ids of the parameters that stretch the lobe along and across the tangent. () if the lobe is round."""
         ids = [p.id for p in self.parameters]
         pairs = [(name, f"{name[:-1]}v") for name in ids if name.endswith("_u") and f"{name[:-1]}v" in ids]
         return pairs[0] if pairs else ()
 
     @property
     def widths(self) -> tuple:
-        """The parameters that say how wide the lobes are, by id; `width_parameter` first."""
+        """Ids of all parameters that set a lobe's width, `width_parameter` first."""
         return tuple(name for name in dict.fromkeys((self.width_parameter, *self.widened_with, *self.axes)) if name)
 
     def parameter(self, name: str) -> Parameter:
+        """The parameter with the id `name`. Raises UnknownParameter."""
         for parameter in self.parameters:
             if parameter.id == name:
                 return parameter
         raise UnknownParameter(self.id, name, (p.id for p in self.parameters))
 
     def resolve(self, given: dict) -> dict:
-        """All parameters checked and completed with defaults."""
+        """{id: value} of all parameters: those in `given` checked, the others' defaults.
+
+        Raises UnknownParameter or ParameterError.
+        """
         values = {p.id: p.default for p in self.parameters}
         for name, value in given.items():
             values[name] = self.parameter(name).check(value)
         return values
 
     def with_albedos(self, albedos) -> "Model":
-        """This model with other albedos to divide by, see albedos.py; itself where it divides by none.
+        """This model with another source of the albedos that it divides by (see albedos.py). Itself if it needs none.
 
-        Registered models integrate theirs, which takes some tenths of a second for each new exponent: the truth. Who
-        must not wait, or asks for many exponents, takes `tabulated.TABULATED`.
+        Registered models integrate their albedos, which is exact but takes some tenths of a second per new exponent.
+        Callers that must be fast, or that need many exponents, pass `tabulated.TABULATED`.
         """
         return self
 
     def evaluate(self, view, light, **parameters) -> np.ndarray:
-        """f(V, L) in 1/sr: (N,) where the model is white, else (N, 3). 0 below the horizon.
+        """f(V, L) in 1/sr: (N,) if the model is white, else (N, 3). It is 0 below the horizon.
 
-        `view`, `light`: unit vectors (N, 3), or one for all.
+        `view`, `light`: unit vectors (N, 3), or one for all rows.
         """
         p = self.resolve(parameters)
         view, light = paired("view", directions("view", view), "light", directions("light", light))
@@ -77,17 +85,17 @@ class Model:
         return value
 
     def evaluate_fast(self, view, light, p: dict) -> np.ndarray:
-        """f(V, L) as `evaluate` gives it, of resolved parameters and directions above the horizon, within about 1 %.
+        """f(V, L) as `evaluate`, for resolved parameters `p` and directions above the horizon, within about 1 %.
 
-        For what must not wait: it is the value itself where that takes no preparing; a model `with_albedos` from tables
-        takes none.
+        It is fast for new parameters, too. Models that precompute nothing return the exact value, and so do models
+        `with_albedos` from tables.
         """
         return self._value(view, light, p)
 
     def albedo(self, cos_theta, **parameters) -> np.ndarray:
-        """Albedo at N·V = `cos_theta` (N,), by quadrature: (N,) or (N, 3) as `evaluate`.
+        """Albedo at N·V = `cos_theta` (N,) in 0..1, by quadrature: (N,) or (N, 3) as `evaluate`.
 
-        The view lies in the x-z plane, as everywhere; only models with a tangent care.
+        The view lies in the x-z plane, which matters only to models with a tangent.
         """
         p = self.resolve(parameters)
         mu = np.atleast_1d(np.asarray(cos_theta, dtype=np.float64))
@@ -98,9 +106,9 @@ class Model:
         return self._albedo(mu, p)
 
     def sample(self, view, u, **parameters) -> np.ndarray:
-        """Light directions (N, 3) with the density `pdf`, from uniform numbers `u` (N, 2) in 0..1.
+        """Light directions (N, 3) with the density `pdf`, from uniform random numbers `u` (N, 2) in 0..1.
 
-        They follow the model's lobes, and some lie below the horizon, where the BRDF is 0.
+        The directions follow the model's lobes. Some lie below the horizon, where the BRDF is 0.
         """
         p = self.resolve(parameters)
         u = np.atleast_2d(np.asarray(u, dtype=np.float64))
@@ -119,14 +127,14 @@ class Model:
 
 
 def find_model(name: str) -> Model:
-    """The model called `name`. Raises UnknownModel that lists what there is."""
+    """The model with the id `name`. Raises UnknownModel, which lists all ids."""
     if name not in MODELS:
         raise UnknownModel(name, MODELS)
     return MODELS[name]
 
 
 def register(model: Model) -> Model:
-    """Add a model. Raises DuplicateModel when its id is taken."""
+    """Adds a model and returns it. Raises DuplicateModel if its id is taken."""
     if model.id in MODELS:
         raise DuplicateModel(model.id)
     MODELS[model.id] = model

@@ -145,7 +145,7 @@ def _command(blender, script, job, alone):
 
 
 def _environment(alone, profile):
-    """The environment of a Blender in place, or alone: without the user's profile, modules and colour configuration."""
+    """The environment of a Blender in place, or alone: without the user's profile, modules and color configuration."""
     environment = dict(os.environ)
     # bpy, where this process has loaded it, names the configuration that it bundles, which no other version can read.
     if alone or "colormanagement" in environment.get("OCIO", ""):
@@ -216,7 +216,7 @@ def _whereabouts(file):
 class Difference:
     """Of two pictures: the `largest` of any channel, and in how many `pixels` there is any.
 
-    `mean` is the mean difference of colours in parts of the first's mean colour, `coarse` that of squares of 8 x 8
+    `mean` is the mean difference of colors in parts of the first's mean color, `coarse` that of squares of 8 x 8
     pixels, where noise counts less, and `light` the ratio of the second's sum to the first's.
     """
 
@@ -228,17 +228,17 @@ class Difference:
 
 
 def difference(first, second) -> Difference | None:
-    """The difference of two pictures (height, width, 4), in their colours and alpha; None of unlike shapes."""
+    """The difference of two pictures (height, width, 4), in their colors and alpha; None of unlike shapes."""
     if first.shape != second.shape:
         return None
     same = (first == second) | (np.isnan(first) & np.isnan(second))
     first, second = first.astype(np.float64), second.astype(np.float64)
     apart = np.where(same, 0.0, second - first)
-    colours = np.abs(first[..., :3]).sum()
-    parts = [np.abs(x).sum() / colours if colours else float(not same.all())
+    colors = np.abs(first[..., :3]).sum()
+    parts = [np.abs(x).sum() / colors if colors else float(not same.all())
              for x in (apart[..., :3], _squares(apart[..., :3]))]
     return Difference(float(np.abs(apart).max()), int((~same).any(axis=-1).sum()), *map(float, parts),
-                      float(second[..., :3].sum() / colours) if colours else 1.0)
+                      float(second[..., :3].sum() / colors) if colors else 1.0)
 
 
 def _squares(pixels, size=8):

@@ -21,7 +21,7 @@
 #define LEAST_MIRROR 1e-9    // gain of the mirror direction that is divided by
 
 struct Base {
-    float left;                            // size of what the base leaves over, in parts of the target's energy
+    float residual;                          // size of what the base leaves over, in parts of the target's energy
     int sets[BASE_RAMPS];                  // which levels a ramp has, -1: none
     vector axis[BASE_RAMPS];               // mirror direction of its normal
     vector facet[BASE_RAMPS];              // its normal
@@ -153,7 +153,7 @@ void make_base(output Base b, Hit hit, CORRECTION_PARAMETERS, BASE_PARAMETERS)
     float mirror = read_gains(hit, scale, widths, gains, plain, CORRECTION);
     vector sums[BASE_STRIDE];
     blend_nodes(hit, scale, gains, table, sums);
-    b.left = max(sums[2][2], 0.0) / max(mirror, LEAST_MIRROR);
+    b.residual = max(sums[2][2], 0.0) / max(mirror, LEAST_MIRROR);
     // Colours, of all ramps before any ramp: two ramps may have the same.
     int faint[BASE_SETS];
     float unit = 1.0 / mean;

@@ -22,7 +22,7 @@
 #define STRAIGHT 0.05     // where the disk's map is as straight as this,
 #define SLENDER_LOSS 0.8  // and its share falls by this times 1 / (n + 1)
 #define BENT 0.9          // share that the bells leave to splats, for its bending: they follow a bent lump badly
-#define MOST_LEFT 0.6     // that they leave for it
+#define MOST_RESIDUAL 0.6     // that they leave for it
 #define TOO_BENT 1.0      // there is no use in bells
 #define CURVED 0.8        // how much the square of a lump's width counts beside the gradient
 #define STEEPEST_SHARE 0.97  // of the bells of the steepest lumps
@@ -222,7 +222,7 @@ void make_bells(Disk d, Lump p, float gain, float bent, int steep, float row[], 
         return;
     // The many bells of a steep lump are narrow, and follow one that is bent a little.
     b.share = steep ? gain * mix(STEEPEST_SHARE, 1.0, clamp(4.0 * v - 1.0, 0.0, 1.0))
-                    : gain * (1.0 - min(BENT * bent, MOST_LEFT));
+                    : gain * (1.0 - min(BENT * bent, MOST_RESIDUAL));
     if (v < SLENDER && bent < STRAIGHT) {
         add_bell(d, p, 0.0, 0.0, deviation, b.share * (1.0 - SLENDER_LOSS * v), b);
         return;

@@ -15,12 +15,12 @@
 #define TO_EDGE 0.4       // of the way to the lump's edge,
 #define AT_EDGE 0.12      // or this of the standard deviation where the edge is soft,
 #define STEEP_EDGE 0.6    // and of that this part of steep lumps
-#define MUCH_LEFT 0.1     // of the volume: where all samples per hit are drawn
-#define LITTLE_LEFT 0.02  // of the volume: with less, splats are drawn at fewer hits, and are heavier,
+#define LARGE_RESIDUAL 0.1     // of the volume: where all samples per hit are drawn
+#define SMALL_RESIDUAL 0.02  // of the volume: with less, splats are drawn at fewer hits, and are heavier,
 #define LEAST_CHANCE 0.05 // but not at fewer than this
 #define HEAVIEST 3.0      // weight of all splats of a lump
 #define UNSEEN 1e-5       // weight of a splat that is left out
-#define AT_REST 0.8       // share of a steep lump's splats that is drawn where its bells leave something
+#define RESIDUAL_SHARE 0.8       // share of a steep lump's splats that is drawn where its bells leave something
 #define DRAWN_RADIUS 1.45  // what splats are drawn from is a lump of this radius, 1.16 times as wide as a sharp lump:
 #define DRAWN_SLOPE 1.23   // its exponent is n times this, and more by
 #define DRAWN_MORE 1.28
@@ -35,22 +35,22 @@ float draw_distance(float n, float u, int steep, float row[], output float r2)
     float drawn_n = DRAWN_SLOPE * n + DRAWN_MORE;
     // Where the bells leave something, or anywhere.
     float area = M_PI * DRAWN_RADIUS * DRAWN_RADIUS;
-    float at_rest = steep ? AT_REST : 0.0;
-    if (u < at_rest) {
-        float at = BELL_KNOTS * u / at_rest;
+    float residual_share = steep ? RESIDUAL_SHARE : 0.0;
+    if (u < residual_share) {
+        float at = BELL_KNOTS * u / residual_share;
         int i = min((int)at, BELL_KNOTS - 1);
         r2 = mix(row[STEEP_KNOTS + i], row[STEEP_KNOTS + i + 1], at - i);
     } else  // eq. 28
         r2 = DRAWN_RADIUS * DRAWN_RADIUS
-           * rest_of_root(max((u - at_rest) / (1.0 - at_rest), LEAST_DRAWN), drawn_n + 1.0);
+           * rest_of_root(max((u - residual_share) / (1.0 - residual_share), LEAST_DRAWN), drawn_n + 1.0);
     // The density of both together.
-    float density = (1.0 - at_rest) * (drawn_n + 1.0) / area * power_of_rest(M_PI * r2 / area, drawn_n);
+    float density = (1.0 - residual_share) * (drawn_n + 1.0) / area * power_of_rest(M_PI * r2 / area, drawn_n);
     if (steep)
         for (int i = 0; i < BELL_KNOTS; i += 1) {
             float low = row[STEEP_KNOTS + i];
             float high = row[STEEP_KNOTS + i + 1];
             if (r2 >= low && r2 < high)
-                density += at_rest / (BELL_KNOTS * M_PI * (high - low));
+                density += residual_share / (BELL_KNOTS * M_PI * (high - low));
         }
     return density;
 }
@@ -88,14 +88,14 @@ struct Aim {
     color base_tint;  // of its bells, times that
 };
 
-Aim make_aim(Disk d, Lump p, Draws wanted, float left, int steep)
+Aim make_aim(Disk d, Lump p, Draws requested, float residual, int steep)
 {
     Aim aim;
     // At few hits where little is left. The number that decides is uniform again below what it is held against.
-    aim.draws = wanted;
-    aim.draws.count = clamp((int)ceil(wanted.count * left / MUCH_LEFT), 1, wanted.count);
-    aim.draws.chance = clamp(left / LITTLE_LEFT, LEAST_CHANCE, 1.0);
-    aim.draws.numbers = vector(wanted.numbers[0], wanted.numbers[1] / aim.draws.chance, 0.0);
+    aim.draws = requested;
+    aim.draws.count = clamp((int)ceil(requested.count * residual / LARGE_RESIDUAL), 1, requested.count);
+    aim.draws.chance = clamp(residual / SMALL_RESIDUAL, LEAST_CHANCE, 1.0);
+    aim.draws.numbers = vector(requested.numbers[0], requested.numbers[1] / aim.draws.chance, 0.0);
     aim.steep = steep;
     aim.deviation = lump_deviation(p.n);
     aim.at_edge = p.n >= 1.0 ? (steep ? STEEP_EDGE : 1.0) * AT_EDGE * aim.deviation : 0.0;
@@ -105,7 +105,7 @@ Aim make_aim(Disk d, Lump p, Draws wanted, float left, int steep)
     aim.sharpened = p.n >= 2.0 && !leaves;
     aim.widest = leaves ? UNSHARP : mix(WIDER, WIDEST, min(WIDER_FROM / (p.n + 1.0), 1.0));
     if (steep)
-        aim.widest = clamp(BLUR / left, LEAST_BLUR * WIDEST, WIDEST);
+        aim.widest = clamp(BLUR / residual, LEAST_BLUR * WIDEST, WIDEST);
     return aim;
 }
 
@@ -118,7 +118,7 @@ struct Drawn {
 };
 
 // The splat at a point; what should be taken away is added to `excess`.
-closure color splat_at(Drawn from, Disk d, Lump p, Bells b, Aim aim, output color excess, TARGET_PARAMETERS)
+closure color kernel_at(Drawn from, Disk d, Lump p, Bells b, Aim aim, output color excess, TARGET_PARAMETERS)
 {
     Spot s = from.spot;
     float wide = aim.draws.spread * min(aim.widest * aim.deviation, max(TO_EDGE * (1.0 - from.radius), aim.at_edge));
@@ -131,14 +131,14 @@ closure color splat_at(Drawn from, Disk d, Lump p, Bells b, Aim aim, output colo
     excess -= clamp(over, color(-HEAVIEST), color(0.0)) / aim.draws.count;
     color weight = clamp(over, color(0.0), color(HEAVIEST)) / aim.draws.count;
     float shrunk;
-    closure color splat = 0;
+    closure color kernel = 0;
     if (max(weight[0], max(weight[1], weight[2])) > UNSEEN && dot(s.light, d.up) > 0.0)
-        splat = weight * aim.tint * bell_closure(make_bell(d, p, s, wide, 1.0, shrunk), d.frame);
-    return splat;
+        kernel = weight * aim.tint * bell_closure(make_bell(d, p, s, wide, 1.0, shrunk), d.frame);
+    return kernel;
 }
 
 // The splats of a hit that has them; `excess` is what should be taken away.
-closure color splats(Disk d, Lump p, Bells b, Aim aim, float row[], output color excess, TARGET_PARAMETERS)
+closure color kernels(Disk d, Lump p, Bells b, Aim aim, float row[], output color excess, TARGET_PARAMETERS)
 {
     closure color sum = 0;
     for (int k = 0; k < aim.draws.count; k += 1) {
@@ -150,10 +150,10 @@ closure color splats(Disk d, Lump p, Bells b, Aim aim, float row[], output color
         float phi = M_2PI * lattice_v(aim.draws.numbers, k);
         from.at = from.radius * vector(cos(phi), sin(phi), 0.0);
         if (from.density > 0.0 && disk_spot(d, lump_point(p, from.at[0], from.at[1]), from.spot)) {
-            AT_SPLAT(from.spot.light, vector(from.density / aim.draws.chance, aim.draws.chance,
+            AT_KERNEL(from.spot.light, vector(from.density / aim.draws.chance, aim.draws.chance,
                                              aim.steep ? -aim.draws.count : aim.draws.count),
                      aim.draws.count)
-            sum = splat_at(from, d, p, b, aim, excess, TARGET) + sum;
+            sum = kernel_at(from, d, p, b, aim, excess, TARGET) + sum;
         }
     }
     return sum;
@@ -161,11 +161,11 @@ closure color splats(Disk d, Lump p, Bells b, Aim aim, float row[], output color
 
 // Closures of one lump, times `tint`. `room_for_many` tells whether there is room for MOST_BELLS closures and the
 // splats.
-closure color estimate_lump(Disk d, Lump given, color tint, Draws draws, int room_for_many, float table[],
+closure color estimate_lump(Disk d, Lump narrow, color tint, Draws draws, int room_for_many, float table[],
                             TARGET_PARAMETERS)
 {
     // The bells.
-    Lump p = wide_enough(d, given);
+    Lump p = wide_enough(d, narrow);
     Bells b;
     float gain = target_gain(d, p, TARGET);
     Lump like = target_like(d, p, TARGET);
@@ -179,11 +179,11 @@ closure color estimate_lump(Disk d, Lump given, color tint, Draws draws, int roo
     aim.base_tint = target_tint(TARGET);
     closure color sum = 0;
     color excess = 0.0;
-    if (SPLATS && draws.numbers[1] < aim.draws.chance)
-        sum = splats(d, p, b, aim, row, excess, TARGET);
+    if (KERNELS && draws.numbers[1] < aim.draws.chance)
+        sum = kernels(d, p, b, aim, row, excess, TARGET);
     // Closures are put before the sum: Cycles takes it apart with a short stack, which a sum put first would overflow.
-    color kept = tint * max(aim.base_tint - excess / max(b.total, LEAST_TOTAL), color(0.0));
+    color base_weight = tint * max(aim.base_tint - excess / max(b.total, LEAST_TOTAL), color(0.0));
     for (int i = 0; i < b.count; i += 1)
-        sum = kept * bell_closure(b.all[i], d.frame) + sum;
+        sum = base_weight * bell_closure(b.all[i], d.frame) + sum;
     return sum;
 }

@@ -16,10 +16,10 @@
 // A model includes one lobe_*.h, hit.h, one correction_*.h, base.h and base_closures.h before this.
 
 #define NARROWEST 1.2e-3  // radians: in single precision narrower phong_ramps lose their shape
-#define MUCH_LEFT 0.08    // of the energy: where all samples per hit are drawn; proportionally less for
+#define LARGE_RESIDUAL 0.08    // of the energy: where all samples per hit are drawn; proportionally less for
 #define WIDE 0.22         // radians: lobes wider than this, next to which splats are small
-#define LITTLE_LEFT 0.003 // of the energy: with less, splats are drawn at fewer hits, and are heavier
-#define NONE_LEFT 1e-4    // of the energy: there are no splats
+#define SMALL_RESIDUAL 0.003 // of the energy: with less, splats are drawn at fewer hits, and are heavier
+#define NO_RESIDUAL 1e-4    // of the energy: there are no splats
 #define HEAVIEST 2.0      // weight of all splats of a hit, in parts of the light that comes in
 #define UNSEEN 1e-5       // weight of a splat that is left out
 
@@ -31,13 +31,13 @@
 #define APART 0.3         // of the angle to the crease
 #define ABOVE_HORIZON 3.0 // radii that its middle lies above the horizon
 
-// A hole is flat and has an edge: its depth falls to SHOULDER of what it is in the middle at HOLE_SHOULDER
-// radii, to 0 at HOLE_EDGE.
+// A hole is flat and has an edge: its depth falls to SHOULDER of what it is in the middle at NEGATIVE_SHOULDER
+// radii, to 0 at NEGATIVE_EDGE.
 #define SHOULDER 0.57
-#define HOLE_SHOULDER 1.06
-#define HOLE_LEVEL 2.0    // of the inner four of its eight levels: their energy is a half
-#define HOLE_DEPTH 0.9    // of what a hole may be deep
-#define HOLE_WIDER 1.1    // than it must be
+#define NEGATIVE_SHOULDER 1.06
+#define NEGATIVE_LEVEL 2.0    // of the inner four of its eight levels: their energy is a half
+#define NEGATIVE_DEPTH 0.9    // of what a hole may be deep
+#define NEGATIVE_WIDER 1.1    // than it must be
 
 // Least numbers that are divided by.
 #define LEAST_SINE 1e-6   // of the view
@@ -50,15 +50,15 @@ float largest(color c) { return max(c[0], max(c[1], c[2])); }
 
 // A phong_ramp of energy 1 about c. Its profile is that of a bell, with the standard deviation `radius` across each of
 // two directions, or, as a hole, the top of one.
-closure color splat(Hit hit, vector c, color weight, float radius, int hole)
+closure color ramp_kernel(Hit hit, vector c, color weight, float radius, int negative)
 {
     vector h = normalize(hit.frame.view + c);
     float exponent = 1.0 / (radius * radius);
     float size = largest(abs(weight));
     // (e+2)/(2 pi) (R.L)^e (H.L) over the sphere is H.c. The closure's own weight must be positive.
     color shade = weight / (size * max(dot(h, c), LEAST_HL));
-    color far = hole ? color(0.0) : shade;
-    color near = hole ? HOLE_LEVEL * shade : shade;
+    color far = negative ? color(0.0) : shade;
+    color near = negative ? NEGATIVE_LEVEL * shade : shade;
     color colours[LEVELS] = {far, far, far, far, near, near, near, near};
     return size * phong_ramp(normalize(to_world(hit.frame, h)), exponent, colours);
 }
@@ -72,7 +72,7 @@ float slope(Hit hit, vector c, float radius)
     float low = SHOULDER;
     for (int side = 0; side < 2; side += 1) {
         vector way = side ? down : outward;
-        vector shoulder = normalize(c + HOLE_SHOULDER * radius * normalize(way - dot(way, c) * c));
+        vector shoulder = normalize(c + NEGATIVE_SHOULDER * radius * normalize(way - dot(way, c) * c));
         low = min(low, lobe_value(hit.frame.view, shoulder, hit.n) * shoulder[2]
                        / max(lobe_value(hit.frame.view, c, hit.n) * c[2], LEAST_LOBE));
     }
@@ -113,22 +113,22 @@ struct Drawn {
 
 // What no hole can take away of `weight`, which becomes what it does; `radius` becomes the hole's. `based` is the base
 // at the light, and `most` the largest part of the base's colour that is to be taken away.
-color hold_hole(Hit hit, Aim aim, Drawn at, float based, float most, output float radius, output color weight)
+color limit_negative(Hit hit, Aim aim, Drawn at, float based, float most, output float radius, output color weight)
 {
     int count = aim.draws.count;
     // All holes of a hit may lie upon each other: each has a part of the height.
     float wide = sqrt(most * count / (M_PI * max(based, LEAST_LOBE)));
-    radius = min(max(radius, HOLE_WIDER * wide), min(BASE_HOLE * aim.width, at.height / HOLE_EDGE));
-    float deepest = HOLE_DEPTH * max(based, 0.0) * slope(hit, at.light, radius) / count;
-    float kept = min(M_PI * radius * radius * deepest / most, 1.0);
+    radius = min(max(radius, NEGATIVE_WIDER * wide), min(BASE_NEGATIVE_RADIUS * aim.width, at.height / NEGATIVE_EDGE));
+    float deepest = NEGATIVE_DEPTH * max(based, 0.0) * slope(hit, at.light, radius) / count;
+    float share = min(M_PI * radius * radius * deepest / most, 1.0);
     color taken = min(weight, color(0.0));
-    color excess = (1.0 - kept) * taken;
+    color excess = (1.0 - share) * taken;
     weight -= excess;
     return excess;
 }
 
 // The splat at a light; what should be taken away and cannot be is added to `excess`.
-closure color splat_at(Drawn at, Hit hit, Aim aim, Colour colour, Base base, output color excess, CORRECTION_PARAMETERS)
+closure color kernel_at(Drawn at, Hit hit, Aim aim, Colour colour, Base base, output color excess, CORRECTION_PARAMETERS)
 {
     vector view = hit.frame.view;
     vector light = at.light;
@@ -137,9 +137,9 @@ closure color splat_at(Drawn at, Hit hit, Aim aim, Colour colour, Base base, out
     float lobe = lobe_value(view, light, hit.n);
     float value = SPOILT_TARGET(lobe) * light[2] / correction(light[2], CORRECTION);
     float based = base_value(base, view, light, h);
-    color left = value * fresnel_factor(colour, dot(view, h)) - based * aim.tint;
+    color residual = value * fresnel_factor(colour, dot(view, h)) - based * aim.tint;
     float drawn = aim.draws.chance * at.density;
-    color weight = SPOILT_SPLAT(clamp(left / drawn, -HEAVIEST, HEAVIEST) / aim.draws.count);
+    color weight = SPOILT_KERNEL(clamp(residual / drawn, -HEAVIEST, HEAVIEST) / aim.draws.count);
     // Its radius, by how fast the target changes.
     float crease = max(aim.on_crease * sqrt(aim.peak / max(lobe, LEAST_PART * aim.peak)),
                        APART * abs(acos(min(light[2], 1.0)) - hit.theta));
@@ -147,19 +147,19 @@ closure color splat_at(Drawn at, Hit hit, Aim aim, Colour colour, Base base, out
                  * min(sqrt(0.5 / (M_PI * aim.draws.count * at.density)), min(aim.widest, crease));
     // Little of a splat may reach below the horizon.
     float most = largest(max(-weight / max(aim.tint, color(LEAST_TINT)), color(0.0)));
-    int hole = most > 0.0;
-    if (hole && aim.draws.spread > 0.0)
-        excess -= hold_hole(hit, aim, at, based, most, radius, weight);
+    int negative = most > 0.0;
+    if (negative && aim.draws.spread > 0.0)
+        excess -= limit_negative(hit, aim, at, based, most, radius, weight);
     else
         radius = min(radius, at.height / ABOVE_HORIZON);
-    closure color found = 0;
+    closure color kernel = 0;
     if (largest(abs(weight)) > UNSEEN)
-        found = splat(hit, light, weight, max(radius, NARROWEST), hole);
-    return found;
+        kernel = ramp_kernel(hit, light, weight, max(radius, NARROWEST), negative);
+    return kernel;
 }
 
 // The splats of a hit that has them; `excess` is what should be taken away and cannot be.
-closure color splats(Hit hit, Aim aim, Colour colour, Base base, output color excess, CORRECTION_PARAMETERS)
+closure color kernels(Hit hit, Aim aim, Colour colour, Base base, output color excess, CORRECTION_PARAMETERS)
 {
     closure color sum = 0;
     excess = 0.0;
@@ -168,30 +168,30 @@ closure color splats(Hit hit, Aim aim, Colour colour, Base base, output color ex
         vector light = lobe_draw(view, lattice_u(aim.draws.numbers, k, aim.draws.count),
                                  lattice_v(aim.draws.numbers, k), aim.n);
         float density = lobe_density(view, light, aim.n);
-        AT_SPLAT(light, vector(density, aim.draws.chance, aim.draws.count), aim.draws.count)
+        AT_KERNEL(light, vector(density, aim.draws.chance, aim.draws.count), aim.draws.count)
         Drawn at = { light, density, min(light[2], dot(light, hit.up)) };
         if (at.height > 0.0 && density > 0.0)
-            sum += splat_at(at, hit, aim, colour, base, excess, CORRECTION);
+            sum += kernel_at(at, hit, aim, colour, base, excess, CORRECTION);
     }
     return sum;
 }
 
-closure color estimate(Hit hit, Colour colour, Draws wanted, CORRECTION_PARAMETERS, BASE_PARAMETERS)
+closure color estimate(Hit hit, Colour colour, Draws requested, CORRECTION_PARAMETERS, BASE_PARAMETERS)
 {
     Base base;
     make_base(base, hit, CORRECTION, BASE_ARGUMENTS);
     color tint;
-    float left = base.left + fresnel_change(colour, hit.theta, inversesqrt(hit.m), tint);
+    float residual = base.residual + fresnel_change(colour, hit.theta, inversesqrt(hit.m), tint);
     // Nothing is left over where the base is exact: plain Phong, without a Fresnel factor that changes over the lobe.
-    Draws draws = wanted;
-    draws.count = clamp((int)ceil(wanted.count * left / (MUCH_LEFT * min(WIDE * sqrt(hit.m), 1.0))), 1, wanted.count);
-    draws.chance = min(left / LITTLE_LEFT, 1.0);
-    if (!SPLATS || left <= NONE_LEFT || wanted.numbers[1] >= draws.chance)
+    Draws draws = requested;
+    draws.count = clamp((int)ceil(requested.count * residual / (LARGE_RESIDUAL * min(WIDE * sqrt(hit.m), 1.0))), 1, requested.count);
+    draws.chance = min(residual / SMALL_RESIDUAL, 1.0);
+    if (!KERNELS || residual <= NO_RESIDUAL || requested.numbers[1] >= draws.chance)
         return base_closures(base, hit.frame, tint);
     // The number that decided is uniform again below what it was held against.
-    draws.numbers = vector(wanted.numbers[0], wanted.numbers[1] / draws.chance, 0.0);
+    draws.numbers = vector(requested.numbers[0], requested.numbers[1] / draws.chance, 0.0);
     color excess;
-    closure color sum = splats(hit, make_aim(hit, draws, tint, left), colour, base, excess, CORRECTION);
+    closure color sum = kernels(hit, make_aim(hit, draws, tint, residual), colour, base, excess, CORRECTION);
     if (largest(excess) > 0.0)
         tint = max(tint - excess / base_energy(base), color(0.0));
     return sum + base_closures(base, hit.frame, tint);

@@ -56,7 +56,7 @@ closure color broken_table(string file)
     return stripes();
 }
 
-closure color stale_weights(string model)
+closure color stale_rows(string model)
 {
     warning("Plausible BRDF: %s was baked for other parameters than its sockets have; bake its weights again\n", model);
     return stripes();

@@ -13,11 +13,11 @@
 #define W_SPIKE (W_HEAD + W_AZIMUTHS * W_VIEWS * W_ROW)
 #define W_SET (W_SPIKE + (W_SPIKES > 0 ? 3 * (W_SPIKES * (W_VIEWS - 1) + 1) : 0))
 
-#define LEAST_REST 1e-6      // of a place, that is divided by
+#define LEAST_FRACTION 1e-6      // of a place, that is divided by
 #define BELOW_ONE 0.999999   // the largest uniform number
 
 // Where a view is among the rows, 0 to W_VIEWS - 1.
-float weights_place(float mu)
+float view_place(float mu)
 {
     float along = clamp(acos(clamp(mu, 0.0, 1.0)) / W_STEEPEST, 0.0, 1.0);
     return (W_VIEWS - 1) * (1.0 - pow(1.0 - along, 1.0 / W_CROWDED));
@@ -28,9 +28,9 @@ float weights_place(float mu)
 int beside(float place, int last, output float chance)
 {
     int low = clamp((int)place, 0, last - 1);
-    float rest = clamp(place - low, 0.0, 1.0);
-    int up = chance < rest;
-    chance = up ? chance / rest : (chance - rest) / max(1.0 - rest, LEAST_REST);
+    float fraction = clamp(place - low, 0.0, 1.0);
+    int up = chance < fraction;
+    chance = up ? chance / fraction : (chance - fraction) / max(1.0 - fraction, LEAST_FRACTION);
     return low + up;
 }
 
@@ -45,7 +45,7 @@ color range_place(color value, float least, float most, int steps, int geometric
 
 // The share, in each channel, that a set has in what is between sets: sets of the last parameter's steps are
 // neighbours.
-color weights_share(int set, color places[W_RANGES], int steps[W_RANGES])
+color set_share(int set, color places[W_RANGES], int steps[W_RANGES])
 {
     color share = 1.0;
     int rest = set;
@@ -59,35 +59,35 @@ color weights_share(int set, color places[W_RANGES], int steps[W_RANGES])
 
 // Where the set begins that a hit takes, by `chance`, which is stretched for another use, and what it weighs in each
 // channel. Sets are taken as often as they are bright; `slots` tells where each is, -1 of those that are black.
-int weights_set(float w[], color places[W_RANGES], int steps[W_RANGES], int slots[W_SETS], output float chance,
+int choose_set(float w[], color places[W_RANGES], int steps[W_RANGES], int storage_index[W_SETS], output float chance,
                 output color weight)
 {
     // How much light each set has at this hit.
     float likely[W_SETS];
     float all = 0.0;
     for (int i = 0; i < W_SETS; i += 1) {
-        color share = weights_share(i, places, steps);
-        likely[i] = slots[i] < 0 ? 0.0 : (share[0] + share[1] + share[2]) * w[W_SET * slots[i] + W_HEAD - 1];
+        color share = set_share(i, places, steps);
+        likely[i] = storage_index[i] < 0 ? 0.0 : (share[0] + share[1] + share[2]) * w[W_SET * storage_index[i] + W_HEAD - 1];
         all += likely[i];
     }
     // The set that `chance` falls on.
-    float left = chance * all;
+    float remaining = chance * all;
     int set = 0;
-    while (set < W_SETS - 1 && left >= likely[set]) {
-        left -= likely[set];
+    while (set < W_SETS - 1 && remaining >= likely[set]) {
+        remaining -= likely[set];
         set += 1;
     }
     weight = 0.0;
     if (likely[set] > 0.0) {
-        weight = weights_share(set, places, steps) * (all / likely[set]);
-        chance = min(left / likely[set], BELOW_ONE);
+        weight = set_share(set, places, steps) * (all / likely[set]);
+        chance = min(remaining / likely[set], BELOW_ONE);
     }
-    return W_SET * max(slots[set], 0);
+    return W_SET * max(storage_index[set], 0);
 }
 #endif
 
 // Where the row begins that a view is given, in the set that begins at `set`.
-int weights_row(int set, vector view, float place, float number)
+int choose_row(int set, vector view, float place, float number)
 {
     float chance = number;
     int row = beside(place, W_VIEWS - 1, chance);
@@ -103,9 +103,9 @@ int weights_row(int set, vector view, float place, float number)
 #if W_AZIMUTHS > 1 && !W_WHOLE
 // A frame turned so that the view is on the positive side of both axes, as rows of views are: what is stretched along
 // axes is the same on either side of them.
-Frame first_quadrant(Frame given)
+Frame first_quadrant(Frame frame)
 {
-    Frame f = given;
+    Frame f = frame;
     if (f.view[0] < 0.0)
         f.x = -f.x;
     if (f.view[1] < 0.0)

@@ -2,22 +2,22 @@
 
 #include "beckmann.h"
 
-#define SPLAT 1.2         // width of a splat's facet, of its cell's size
+#define KERNEL_WIDTH 1.2         // width of a splat's facet, of its cell's size
 #define OVER_HORIZON 0.25 // most width of a splat, of its light's height: little of it may reach below
 #define POINTED 1.25      // about the middle of rings cells end in a point: within this many of their lengths
 #define POINTED_SLOPE 0.25   // splats are wide across, less and less
-#define MUCH_LEFT 0.05    // of the light: where all samples per hit are drawn
-#define LITTLE_LEFT 0.02  // of the light: with less, splats are drawn at fewer hits, and are heavier,
+#define LARGE_RESIDUAL 0.05    // of the light: where all samples per hit are drawn
+#define SMALL_RESIDUAL 0.02  // of the light: with less, splats are drawn at fewer hits, and are heavier,
 #define LEAST_CHANCE 0.05 // but not at fewer than this
 #define UNSEEN 1e-5       // weight of what is left out
 #define LEAST_UP 0.1      // cosine of a half vector, that is divided by
 
-color weights_colour(float w[], int at)
+color row_color(float w[], int at)
 {
     return W_CHANNELS == 3 ? color(w[at], w[at + 1], w[at + 2]) : color(w[at]);
 }
 
-closure color weights_facet(Frame f, vector slopes, float alpha_x, float alpha_y, vector along, color weight)
+closure color row_facet(Frame f, vector slopes, float alpha_x, float alpha_y, vector along, color weight)
 {
     vector facet = normalize(slopes);
     vector across = normalize(cross(facet, along));
@@ -25,7 +25,7 @@ closure color weights_facet(Frame f, vector slopes, float alpha_x, float alpha_y
                                alpha_x, alpha_y, 0.0, 0);
 }
 
-closure color weights_base(Frame f, float w[], int row)
+closure color row_base(Frame f, float w[], int row)
 {
     closure color sum = 0;
     for (int i = 0; i < W_FACETS; i += 1) {
@@ -33,9 +33,9 @@ closure color weights_base(Frame f, float w[], int row)
         color weight = color(w[at + 4], w[at + 5], w[at + 6]);
         if (max(weight[0], max(weight[1], weight[2])) > UNSEEN) {
             vector x = vector(1.0, 0.0, 0.0);
-            sum = weights_facet(f, vector(w[at], w[at + 1], 1.0), w[at + 2], w[at + 3], x, weight) + sum;
+            sum = row_facet(f, vector(w[at], w[at + 1], 1.0), w[at + 2], w[at + 3], x, weight) + sum;
             if (W_AZIMUTHS == 1 && w[at + 1] != 0.0)  // a pair, on either side of the plane of incidence
-                sum = weights_facet(f, vector(w[at], -w[at + 1], 1.0), w[at + 2], w[at + 3], x, weight) + sum;
+                sum = row_facet(f, vector(w[at], -w[at + 1], 1.0), w[at + 2], w[at + 3], x, weight) + sum;
         }
     }
     color flat = color(w[row + W_BASE], w[row + W_BASE + 1], w[row + W_BASE + 2]);
@@ -44,7 +44,7 @@ closure color weights_base(Frame f, float w[], int row)
     return sum;
 }
 
-closure color weights_spike(Frame f, float w[], int set, float place)
+closure color row_spike(Frame f, float w[], int set, float place)
 {
     closure color spike = 0;
     if (W_SPIKES > 0) {
@@ -108,7 +108,7 @@ Cell draw_cell(Frame f, float w[], int set, int row, float u, float v)
 }
 
 // A facet of a weight about a cell's place, whose light is above the horizon by the sine `height`.
-closure color weights_splat(Frame f, Cell c, float height, float spread, color weight)
+closure color row_kernel(Frame f, Cell c, float height, float spread, color weight)
 {
     // Lights move twice as fast as half vectors: little of a splat may reach below the horizon.
     float most = max(OVER_HORIZON * height, NARROWEST_FACET);
@@ -116,17 +116,17 @@ closure color weights_splat(Frame f, Cell c, float height, float spread, color w
     // splats that are narrow across and reach over it would all pile up there, by as much as they are longer.
     float length = c.high - c.low;
     float across = max(c.s * c.around, length * clamp(POINTED - POINTED_SLOPE * c.s / length, 0.0, 1.0));
-    vector a = spread * SPLAT * length * on_sphere(c.h, c.out);
-    vector b = spread * SPLAT * across * on_sphere(c.h, c.turned);
+    vector a = spread * KERNEL_WIDTH * length * on_sphere(c.h, c.out);
+    vector b = spread * KERNEL_WIDTH * across * on_sphere(c.h, c.turned);
     Ellipse e = ellipse_of(c.h, a, b);
     float angle = 0.5 * atan2(2.0 * e.xy, e.xx - e.yy);
-    return weights_facet(f, c.h, clamp(sqrt(e.mean + e.apart), NARROWEST_FACET, most),
+    return row_facet(f, c.h, clamp(sqrt(e.mean + e.apart), NARROWEST_FACET, most),
                          clamp(sqrt(max(e.mean - e.apart, 0.0)), NARROWEST_FACET, most),
                          cos(angle) * e.e1 + sin(angle) * e.e2, weight);
 }
 
 // Splats in cells of the row that begins at `row`, put before the `spike`.
-closure color weights_splats(Frame f, float w[], int set, int row, Draws draws, vector up, closure color spike)
+closure color row_kernels(Frame f, float w[], int set, int row, Draws draws, vector up, closure color spike)
 {
     closure color sum = spike;
     color share = 1.0 / (draws.count * draws.chance);
@@ -134,25 +134,25 @@ closure color weights_splats(Frame f, float w[], int set, int row, Draws draws, 
         Cell c = draw_cell(f, w, set, row, lattice_u(draws.numbers, k, draws.count), lattice_v(draws.numbers, k));
         float height = min(c.light[2], dot(c.light, up));
         if (height > 0.0) {
-            AT_SPLAT(c.light, vector(1.0), draws.count)
-            sum = weights_splat(f, c, height, draws.spread, share * weights_colour(w, c.at)) + sum;
+            AT_KERNEL(c.light, vector(1.0), draws.count)
+            sum = row_kernel(f, c, height, draws.spread, share * row_color(w, c.at)) + sum;
         }
     }
     return sum;
 }
 
-closure color weights_estimate(Frame f, float w[], int set, Draws wanted, vector up)
+closure color estimate_rows(Frame f, float w[], int set, Draws requested, vector up)
 {
-    float place = weights_place(f.view[2]);
-    int row = weights_row(set, f.view, place, wanted.numbers[2]);
-    closure color sum = weights_spike(f, w, set, place);
+    float place = view_place(f.view[2]);
+    int row = choose_row(set, f.view, place, requested.numbers[2]);
+    closure color sum = row_spike(f, w, set, place);
     // At few hits where little is left. The number that decides is uniform again below what it is held against.
-    float left = w[row];
-    Draws draws = wanted;
-    draws.count = clamp((int)ceil(wanted.count * left / MUCH_LEFT), 1, wanted.count);
-    draws.chance = clamp(left / LITTLE_LEFT, LEAST_CHANCE, 1.0);
-    draws.numbers = vector(wanted.numbers[0], wanted.numbers[1] / draws.chance, 0.0);
-    if (SPLATS && left > UNSEEN && wanted.numbers[1] < draws.chance)
-        sum = weights_splats(f, w, set, row, draws, up, sum);
-    return weights_base(f, w, row) + sum;
+    float residual = w[row];
+    Draws draws = requested;
+    draws.count = clamp((int)ceil(requested.count * residual / LARGE_RESIDUAL), 1, requested.count);
+    draws.chance = clamp(residual / SMALL_RESIDUAL, LEAST_CHANCE, 1.0);
+    draws.numbers = vector(requested.numbers[0], requested.numbers[1] / draws.chance, 0.0);
+    if (KERNELS && residual > UNSEEN && requested.numbers[1] < draws.chance)
+        sum = row_kernels(f, w, set, row, draws, up, sum);
+    return row_base(f, w, row) + sum;
 }

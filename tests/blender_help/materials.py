@@ -32,7 +32,7 @@ def use_table(material, control, path):
 # (hook of the shaders, what stands there instead) of errors that tests put into them.
 PLANTED = {
     "a wrong lobe": ("SPOILT_TARGET(value)", "(value) * (hit.n + 3.0) / (hit.n + 2.0)"),
-    "splats four times too heavy, and only adding": ("SPOILT_SPLAT(weight)", "4.0 * abs(weight)"),
+    "kernels four times too heavy, and only adding": ("SPOILT_KERNEL(weight)", "4.0 * abs(weight)"),
     "base lobes 2 % too bright": ("SPOILT_BASE(weight)", "1.02 * (weight)"),
 }
 

@@ -31,7 +31,7 @@ def install(path):
 def render(to):
     bpy.context.scene.render.filepath = to
     bpy.ops.render.render(write_still=True)
-    # Colour management is off, and so the file holds what Cycles computed.
+    # Color management is off, and so the file holds what Cycles computed.
     image = bpy.data.images.load(to)
     pixels = [round(value, 7) for value in image.pixels[:]]
     bpy.data.images.remove(image)

@@ -11,7 +11,7 @@ from addon.measure import scene, standards
 from optics.directions import toward
 
 INCLUDE = Path(__file__).resolve().parents[2] / "osl" / "include"
-BROAD = 2e4  # metres: the side of the room's plane
+BROAD = 2e4  # meters: the side of the room's plane
 
 
 def headers(*names, **hooks):
@@ -22,16 +22,16 @@ def headers(*names, **hooks):
     return constants.header() + definitions.text(macros) + own
 
 
-def material(text, colour, before="", rest=""):
-    """A material that emits the OSL expression `colour` after the statements `before`, and the closures `rest`."""
-    body = f"{before} BSDF = color({colour}) * emission() {rest};"
+def material(text, color, before="", rest=""):
+    """A material that emits the OSL expression `color` after the statements `before`, and the closures `rest`."""
+    body = f"{before} BSDF = color({color}) * emission() {rest};"
     return standards.material_of_source(f"{text}\nshader shown(output closure color BSDF = 0) {{ {body} }}\n", "Shown")
 
 
 class Square(scene.MeasuringScene):
-    """A room whose plane is a square of `side` metres, far from the origin by `away` along all axes.
+    """A room whose plane is a square of `side` meters, far from the origin by `away` along all axes.
 
-    `width` metres of it are seen, `view_deg` from its normal and `azimuth_deg` from its tangent, through a pixel filter
+    `width` meters of it are seen, `view_deg` from its normal and `azimuth_deg` from its tangent, through a pixel filter
     of `pixels` wide; `turned(place)` changes what else there is.
     """
 

@@ -6,7 +6,7 @@ from addon.models import exr
 
 
 def grid(size):
-    """x to the right and y up of the pixels' centres, (size, size) each, row 0 at the top."""
+    """x to the right and y up of the pixels' centers, (size, size) each, row 0 at the top."""
     at = (np.arange(size) + 0.5) * 2.0 / size - 1.0
     return np.meshgrid(at, -at)
 

@@ -1,4 +1,4 @@
-"""Readable names of parametrised cases."""
+"""Readable names of parametrized cases."""
 
 
 def name_of(value):

@@ -26,7 +26,7 @@ def picture_of(material):
 
 
 def is_striped(pixels):
-    """Stripes of one colour and none: nothing that a reflectance makes of an even sky."""
+    """Stripes of one color and none: nothing that a reflectance makes of an even sky."""
     return pixels.std() > 0.3 * pixels.mean()
 
 

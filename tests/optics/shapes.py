@@ -1,6 +1,6 @@
 """Parameters that the literature's models are tried with besides their defaults."""
 COPPER = {"fresnel_type": "schlick", "base_color": (0.95, 0.64, 0.54)}
-# Another shape, a colour that depends on angle, a diffuse part.
+# Another shape, a color that depends on angle, a diffuse part.
 OTHER = {
     "ward": {"roughness_u": 0.4, "roughness_v": 0.1, "base_color": (0.5, 0.4, 0.3), "diffuse_color": (0.1, 0.2, 0.3)},
     "ward_duer": {"roughness_u": 0.1, "roughness_v": 0.3},

@@ -103,8 +103,8 @@ def select(place, mask):
 def ball(resolution, image=None):
     """The geometry of verify.sphere's picture."""
     width = 2.0 * (1.0 + 1.0 / resolution)
-    centres = width * ((np.arange(resolution) + 0.5) / resolution - 0.5)
-    x, y = np.meshgrid(centres, centres)
+    centers = width * ((np.arange(resolution) + 0.5) / resolution - 0.5)
+    x, y = np.meshgrid(centers, centers)
     squared = 1.0 - x * x - y * y
     normal = np.stack([x, y, np.sqrt(np.maximum(squared, 0.0))], axis=-1)
     normal[squared <= 0.0] = np.nan

@@ -27,7 +27,7 @@ def ward_peak(v, light, p):
 
 
 def bounded(v, light, p):
-    """In the form with H unnormalised, 1/(pi m_x m_y) exp(..) (H·H)/(H·N)^4."""
+    """In the form with H unnormalized, 1/(pi m_x m_y) exp(..) (H·H)/(H·N)^4."""
     h = [a + b for a, b in zip(v, light, strict=True)]
     return 4.0 * ward_peak(v, light, p) * dot(h, h) / h[2] ** 4
 
@@ -133,7 +133,7 @@ def star():
 
 
 def ndf_map(v, light, p):
-    """Ashikhmin and Shirley's form with the star, read bilinearly between pixels' centres, over its integral."""
+    """Ashikhmin and Shirley's form with the star, read bilinearly between pixels' centers, over its integral."""
     pixels, total = star()
     h, turn = half_of(v, light), 2.0 * math.pi * p["rotation"]
     x, y = (min(max(64.0 * (a + 1.0) - 0.5, 0.0), 127.0) for a in (math.cos(turn) * h[0] + math.sin(turn) * h[1],
@@ -166,14 +166,14 @@ FORMULA = {
 def by_hand(name, v, light, p):
     """f of all channels (3,), from the formulas above."""
     base, diffuse = np.array(p["base_color"]), np.array(p["diffuse_color"])
-    colour = base
+    color = base
     if name == "ashikhmin_shirley" or p.get("fresnel_type") == 1:
         edge = np.array(p.get("f90", (1.0, 1.0, 1.0)))
-        colour = base + (edge - base) * (1.0 - dot(v, half_of(v, light))) ** 5
+        color = base + (edge - base) * (1.0 - dot(v, half_of(v, light))) ** 5
     amount = 1.0 / math.pi
     if name == "ashikhmin_shirley":
         amount = 28.0 / (23.0 * math.pi) * (1.0 - base) * math.prod(
             1.0 - (1.0 - 0.5 * x[2]) ** 5 for x in (v, light))
     if name == "kajiya_kay":
         amount = math.cos(math.asin(light[0])) / (math.pi * light[2])
-    return FORMULA[name](v, light, p) * colour + diffuse * amount
+    return FORMULA[name](v, light, p) * color + diffuse * amount

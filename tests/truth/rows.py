@@ -15,12 +15,12 @@ class Row:
     def base(self, light):
         """f (N·L) of the base, (N, 3): Beckmann's microfacets with Smith's masking."""
         total = light[:, 2:] / np.pi * self.diffuse
-        for (x, y), widths, colour in self.facets.each():
+        for (x, y), widths, color in self.facets.each():
             for side in ((y, -y) if y and self.layout.azimuths == 1 else (y,)):
-                total = total + beckmann((x, side), widths, self.view, light)[:, None] * colour
+                total = total + beckmann((x, side), widths, self.view, light)[:, None] * color
         return total
 
-    def splats(self, count=30000):
+    def kernels(self, count=30000):
         """Lights (N, 3) that the shader draws, on a lattice over its numbers, and the energy of each (N, channels)."""
         layout = self.layout
         k = np.arange(count)

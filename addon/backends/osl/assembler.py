@@ -182,7 +182,7 @@ def _weights(model, parameters, baked) -> dict:
         # What is driven.
         "W_RANGES": len(driven), "W_SETS": len(baked.nodes), "RANGE_PLACES": ", ".join(map(_place, baked.ranges)),
         "RANGE_STEPS": ", ".join(str(each.steps) for each in baked.ranges),
-        "RANGE_SLOTS": ", ".join(map(str, baked.storage_index)),
+        "RANGE_STORAGE": ", ".join(map(str, baked.storage_index)),
         "DATA_PARAMETERS": _array("weights", np.concatenate([_flat(rows, baked.channels) for rows in baked.stored])),
     }
 
@@ -257,7 +257,7 @@ def _base_of(family, path, _):
              for side in ((-r["side"], r["side"]) if r["side"] else (0.0,))]
     facets = [(f["lean"], f["sharp"]) for f in own["facets"]]
     numbers = {"U": own["u_nodes"], "POWER": own["power"], "V": own["v_nodes"], "FEATURES": len(base["features"]),
-               "GRAZING": base["grazing"], "DRAWN": base["drawn"], "HOLE": base["hole"],
+               "GRAZING": base["grazing"], "DRAWN": base["drawn"], "NEGATIVE_RADIUS": base["hole"],
                "SETS": len(own["ramps"]), "STRIDE": own["stride"], "LEVELS": closures.SLOTS * len(own["ramps"]),
                "RAMPS": len(ramps), "FACETS": len(facets), "FACET_ROOM": max(len(facets), 1),
                "PLAIN": int(own["plain"])}

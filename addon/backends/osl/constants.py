@@ -50,7 +50,7 @@ SHARED = {
     "CREASE_LEAN": Constant(closures.CREASE_LEAN, "least lean of a crease's axis, in the lobe's widths"),
     "CREASE_COSINE": Constant(closures.CREASE_COSINE, "least cosine of that lean"),
     "VIEW_SLOPE_SHARE": Constant(closures.VIEW_SLOPE_SHARE, "of the slope at the crease in a view's coordinate"),
-    "HOLE_EDGE": Constant(closures.HOLE_EDGE, "where a hole ends, in parts of its radius"),
+    "NEGATIVE_EDGE": Constant(closures.NEGATIVE_EDGE, "where a negative kernel ends, in parts of its radius"),
     "PHONG_PER_HALF": Constant(closures.PHONG_PER_HALF, "exponent of the Phong lobe that is as wide, in parts"),
     "HALF_WIDTH": Constant(closures.HALF_WIDTH, "width of a half-vector lobe, times the root of its exponent"),
     "GRAZING_WIDTH": Constant(closures.GRAZING_WIDTH, "by which it stays wider at grazing"),

@@ -33,7 +33,7 @@ MODEL = {
     "BASE_FEATURES": "cosines that the gain is read at",
     "BASE_GRAZING": "how far the mean of N.L at grazing lies above N.V, in parts of the lobe's width",
     "BASE_DRAWN": "exponent of the lobe that splats are drawn from, in parts of n",
-    "BASE_HOLE": "radius of the widest holes, in parts of the lobe's width",
+    "BASE_NEGATIVE_RADIUS": "radius of the widest holes, in parts of the lobe's width",
     "BASE_SETS": "sets of colours of ramps",
     "BASE_STRIDE": "vectors of one gain of one node",
     "BASE_LEVELS": "slots of all sets",
@@ -55,15 +55,15 @@ MODEL = {
     "W_SETS": "sets of rows for their steps,",
     "RANGE_PLACES": "where each is among its steps,",
     "RANGE_STEPS": "how many steps it has,",
-    "RANGE_SLOTS": "and where each set is stored, -1: nowhere, it is black",
+    "RANGE_STORAGE": "and where each set is stored, -1: nowhere, it is black",
 }
 
 # macro: what it is unless `defines` of `source.assemble` say otherwise, as tests and benchmarks do.
 HOOKS = {
-    "SPLATS": "1",  # 0: the base alone
-    "AT_SPLAT(light, beside, count)": "",  # statements where a splat is drawn, of `count` the k-th
+    "KERNELS": "1",  # 0: the base alone
+    "AT_KERNEL(light, beside, count)": "",  # statements where a splat is drawn, of `count` the k-th
     "SPOILT_TARGET(value)": "value",  # planted errors: in the lobe that is estimated,
-    "SPOILT_SPLAT(weight)": "weight",  # in what splats weigh,
+    "SPOILT_KERNEL(weight)": "weight",  # in what splats weigh,
     "SPOILT_BASE(weight)": "weight",  # in what base lobes weigh,
     "SPOILT_LARGER(at_view, at_light)": "max(at_view, at_light)",  # in which albedo a stage divides by,
     "SPOILT_U(u)": "u",  # in the numbers that splats are drawn by,

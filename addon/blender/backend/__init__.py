@@ -1,4 +1,4 @@
-"""What can render a model in Blender, by id. A group keeps the id of the backend that feeds its BSDF output."""
+"""The backends that render a model in Blender, by id. A group stores the id of the backend of its BSDF output."""
 from .osl import Osl, OslError
 from .principled import PrincipledFit
 from .protocol import (
@@ -15,9 +15,11 @@ from .protocol import (
     text_of,
 )
 
-BACKEND_KEY = "plausible_backend"  # of a group; groups of version 0.2 have none, and are OSL's
+# Custom property of a group: the id of its backend. Groups of version 0.2 lack it, and use OSL.
+BACKEND_KEY = "plausible_backend"
 DEFAULT = Osl()
-FALLBACK = PrincipledFit()  # feeds the second output of every group, for other engines
+# Feeds the second output of every group, for other engines.
+FALLBACK = PrincipledFit()
 BACKENDS = {backend.id: backend for backend in (DEFAULT, FALLBACK)}
 
 __all__ = ["BACKENDS", "BACKEND_KEY", "BSDF", "DEFAULT", "FALLBACK", "MODEL_KEY", "STAND_IN", "Backend", "BackendError",
@@ -25,12 +27,15 @@ __all__ = ["BACKENDS", "BACKEND_KEY", "BSDF", "DEFAULT", "FALLBACK", "MODEL_KEY"
 
 
 def chosen(name: str, **options) -> Backend:
-    """The backend `name` with its `options`. Raises ValueError for an unknown backend or option."""
+    """The backend `name` with its `options`.
+
+    Raises ValueError for an unknown backend and for an invalid value of an option.
+    """
     if name not in BACKENDS:
         raise ValueError(f"backend: {name!r} is not one of {', '.join(BACKENDS)}")
     return BACKENDS[name].with_options(**options)
 
 
 def of_group(group) -> Backend:
-    """The backend that feeds a group's BSDF output, with the options that the group keeps."""
+    """The backend that feeds a group's BSDF output, with the options stored on the group."""
     return BACKENDS.get(text_of(group, BACKEND_KEY), DEFAULT).as_kept(group)

@@ -1,4 +1,4 @@
-"""The OSL backend: a Script node that carries a model's compiled shader. It renders in Cycles, on the CPU."""
+"""The OSL backend: a Script node that contains a model's compiled shader. It renders in Cycles, on the CPU."""
 import hashlib
 import re
 import tempfile
@@ -15,22 +15,27 @@ from ..host.translation import tr
 from .protocol import BSDF, MODEL_KEY, BackendError, Cure, Notice, Program, pair_of, stored, text_of
 
 SCRIPT = "ShaderNodeScript"
-LUT_KEY = "plausible_lut"  # of a group: where the shader has its albedo tables, see `source.assemble`
-SPANS_KEY = "plausible_spans"  # of a group: the exponents that the tables compiled into it are baked for
+# Custom property of a group: where its shader has the albedo tables, see `assembler.assemble`.
+LUT_KEY = "plausible_lut"
+# Custom property of a group: {table: (least, largest) exponent} of the tables that are compiled into its shader.
+SPANS_KEY = "plausible_spans"
 GET_BLENDER = Cure("wm.url_open", "Get Blender", {"url": "https://www.blender.org/download/"})
-# A switch is an int to OSL, and Blender 5.0 ends on a truth value that goes from a group into a Script node.
+# A switch is an int in OSL, and Blender 5.0 crashes on a boolean socket that is linked from a group to a Script node.
 _SOCKETS = {"float": "NodeSocketFloat", "int": "NodeSocketInt", "enum": "NodeSocketInt", "bool": "NodeSocketInt",
             "color": "NodeSocketColor", "vector": "NodeSocketVector", "image": "NodeSocketString"}
-_compiled = {}  # hash of a source -> its bytecode
+_compiled = {}  # MD5 of a shader's source -> its bytecode
 
 
 class OslError(BackendError):
-    """This Blender cannot run the shaders; the message says why and what to do."""
+    """This Blender cannot run the shaders. The message gives the reason and a remedy."""
 
 
 @dataclass(frozen=True)
 class Osl:
-    """See `protocol.Backend`. `lut` is "compiled" (tables are part of the shader) or "file" (it reads image files)."""
+    """See `protocol.Backend`.
+
+    `lut` is "compiled" (the albedo tables are part of the shader) or "file" (the shader reads them from image files).
+    """
 
     lut: str = assembler.COMPILED
 
@@ -72,32 +77,33 @@ class Osl:
 
     def notices(self, node, model, values) -> tuple:
         """See `Backend`: exponents beyond the tables compiled into the shader, and table files that cannot be read."""
-        wrong = [table_folder.problem_of(name, path) for name, path in table_files(node.node_tree, model).items()]
-        found = [_beyond(model, values, spans_of(node.node_tree)), *(Notice(text) for text in wrong[:1] if text)]
-        return tuple(notice for notice in found if notice is not None)
+        problems = [table_folder.problem_of(name, path) for name, path in table_files(node.node_tree, model).items()]
+        notices = [_beyond(model, values, spans_of(node.node_tree)), *(Notice(text) for text in problems[:1] if text)]
+        return tuple(notice for notice in notices if notice is not None)
 
     def parameters(self, model) -> tuple:
-        """See `Backend`: the shader has them all."""
+        """See `Backend`: all, as the shader has an input for each."""
         return model.parameters
 
     def follows_sockets(self, model) -> bool:
-        """See `Backend`: models with a shader of their own do; others have rows for their values."""
+        """See `Backend`: true for models with a shader of their own; other models render from baked lobe rows."""
         return not estimator.is_baked(model)
 
     def can_share(self, model) -> bool:
-        """See `Backend`: a shader that reads table files names them inside the group."""
+        """See `Backend`: false where the shader reads table files, whose paths are stored inside the group."""
         return self.follows_sockets(model) and self.lut == assembler.COMPILED
 
     def check(self, model, values):
-        """See `Backend`. Raises brdf.TableError where a table is missing, or not baked for an exponent."""
+        """See `Backend`. Raises brdf.TableError where a compiled-in table is missing or not baked for an exponent."""
         for table, exponent in tabulated.readings(model, values) if self.lut == assembler.COMPILED else ():
             tables.require(table, exponent)
 
     def program(self, model, values=None, ranges=None) -> Program:
-        """See `Backend`. Raises OslError where the shader does not compile, brdf.TableError for a bad table."""
+        """See `Backend`. Raises OslError where the shader does not compile, brdf.TableError for an unusable table."""
         reason = unavailable()
         if reason:
             raise OslError(reason)
+        # Baking lobe rows takes seconds, so bytecode with rows is cached on disk.
         if not self.follows_sockets(model):
             return self._program(model, row_cache.fetch(
                 row_cache.key(model, values or {}, "shader", ranges),
@@ -105,7 +111,7 @@ class Osl:
         return self._program(model, _compiled_once(model, assembler.assemble(model, self.lut, values)))
 
     def blank(self, model) -> Program:
-        """See `Backend`: its material renders striped."""
+        """See `Backend`: a material with this program renders striped."""
         rows = grid.ParameterGrid((), (row_bake.blank(model, {}),))
         text = assembler.assemble(model, baked=rows, defines={"MODEL_MATCHES": "0"})
         return self._program(model, _compiled_once(model, text))
@@ -115,14 +121,16 @@ class Osl:
         return all(row_cache.holds(row_cache.key(model, values, what, ranges)) for what in ("shader", "error"))
 
     def install(self, group, model, program, inputs):
-        """See `Backend`. Blender makes a Script node's sockets otherwise in each version, so they are made here."""
+        """See `Backend`. The sockets are made here, as each version of Blender makes a Script node's sockets differently."""
         script = group.nodes.new(SCRIPT)
         script.label, script.width, script.location = model.label, 220.0, (0.0, 300.0)
+        # A socket for each parameter, linked to the group's socket where there is one.
         for parameter in model.parameters:
             socket = script.inputs.new(_SOCKETS[parameter.kind], parameter.label, identifier=parameter.id)
             socket.default_value = stored(socket, parameter.default)
             if parameter.id in inputs:
                 group.links.new(inputs[parameter.id], socket)
+        # A socket for the path of each albedo table that the shader reads from a file.
         for name in tabulated.tables_of(model) if self.lut == assembler.FILE else ():
             table = tables.TABLES[name]
             mode = assembler.mode_of(table)
@@ -145,7 +153,7 @@ class Osl:
         return None if script is None else script.outputs.get(BSDF)
 
     def installed(self, group) -> Program | None:
-        """See `Backend`: bytecode that Cycles can read, as far as its beginning tells."""
+        """See `Backend`. Bytecode counts as damaged unless it begins with the header of compiled OSL."""
         script = script_in(group)
         if script is None or script.mode != "INTERNAL" or not script.bytecode.startswith("OpenShadingLanguage"):
             return None
@@ -157,15 +165,16 @@ class Osl:
         script = script_in(group)
         if script is None:
             return []
-        entries = {inside.identifier: _entry_of(inside) for inside in script.inputs}
-        return [name for name, identifier in fed_by.items() if entries.get(name, identifier) != identifier]
+        sources = {socket.identifier: _source_of(socket) for socket in script.inputs}
+        return [name for name, identifier in fed_by.items() if sources.get(name, identifier) != identifier]
 
     def _program(self, model, bytecode):
+        """`bytecode` as a Program, with the exponent ranges of the model's tables."""
         spans = tuple((name, *span) for name, span in assembler.spans(model).items())
         return Program(self.id, model.id, bytecode, spans)
 
 
-# What stands in the way.
+# Obstacles to rendering.
 
 def unavailable() -> str | None:
     """Why this build of Blender cannot run OSL, or None where it can."""
@@ -182,6 +191,7 @@ _NATIVE = Cure("plausible.switch_native", "Native Approximation")
 
 
 def _switched_off(scene):
+    """The notice for a scene with Open Shading Language off, or None."""
     if scene.cycles.shading_system:
         return None
     return Notice("Open Shading Language is off in this scene: Plausible materials render black",
@@ -189,9 +199,10 @@ def _switched_off(scene):
 
 
 def _wrong_device(scene):
+    """The notice for a scene that renders on the GPU, or None."""
     if scene.cycles.device != "GPU":
         return None
-    # Cycles keeps 1 KB a hit for OSL's closures there, and does not look whether they fit.
+    # On the GPU Cycles reserves 1 KB per hit for OSL's closures, and does not check whether they fit.
     text = ("On the GPU these materials ask for more room than Cycles has: render on the CPU, or what Cycles ships in "
             "place of the model" if supports_osl(scene) else
             "OSL on GPU needs OptiX, and these materials more room than Cycles has there: render on the CPU, or what "
@@ -209,13 +220,17 @@ def supports_osl(scene) -> bool:
 
 
 def _beyond(model, values, spans):
-    """The notice for an exponent that the tables in a material's shader are not baked for, or None."""
+    """The notice for an exponent outside the tables in a material's shader, or None.
+
+    `spans` is {table: (least, largest) exponent}.
+    """
     for name, exponent in tabulated.readings(model, model.resolve(values)):
         span = spans.get(name)
         if span is None or tables.covers(span, exponent):
             continue
         text = tr("Exponent {exponent:.6g} is beyond the material's tables, which are for {low:g} to {high:g}: it "
                    "renders striped", exponent=exponent, low=span[0], high=span[1])
+        # The tables in use may cover the exponent already; then recompiling suffices.
         if table_folder.problem([name]) is None and tables.covers(tables.in_use(name).span, exponent):
             return Notice(text, (Cure("plausible.update_materials", "Update Materials"),))
         return Notice(text, (Cure("plausible.choose_bake", "Bake LUTs", {"models": {model.id}}),))
@@ -225,7 +240,7 @@ def _beyond(model, values, spans):
 # Compiling.
 
 def check_model(model):
-    """Compile a model's shader, without rows for its values. Raises as `Osl.program`."""
+    """Compile a model's shader, for a baked model without lobe rows. Raises as `Osl.program`."""
     backend = Osl()
     if backend.follows_sockets(model):
         backend.program(model)
@@ -234,6 +249,7 @@ def check_model(model):
 
 
 def _compiled_once(model, text):
+    """Bytecode of the source `text`, compiled at the first call and then kept in memory."""
     key = hashlib.md5(text.encode()).hexdigest()
     if key not in _compiled:
         _compiled[key] = compile_text(model, text)
@@ -248,19 +264,20 @@ def compile_text(model, text: str) -> str:
         osl, oso = Path(folder) / f"{model.id}.osl", Path(folder) / f"{model.id}.oso"
         osl.write_text(text, encoding="utf-8")
         if not _cycles.osl_compile(str(osl), str(oso)) or not oso.exists():
-            raise OslError(f"the shader of {model.label} did not compile; the console tells why")
-        return _by_itself(oso.read_text(encoding="utf-8"))
+            raise OslError(f"the shader of {model.label} did not compile; the console shows the reason")
+        return _normalized(oso.read_text(encoding="utf-8"))
 
 
-def _by_itself(bytecode):
-    """Bytecode that is the same wherever it is compiled, as it goes into everyone's .blend.
+def _normalized(bytecode):
+    """Bytecode without traces of the compiling machine, as it is stored in users' .blend files.
 
-    Comments and file names tell where that was, and compilers of different versions number variables differently.
+    Removes comments, file names and line numbers, and renumbers temporary variables, whose numbers depend on the
+    compiler's version.
     """
     lines = [line for line in bytecode.splitlines() if not line.startswith("#")]
     text = re.sub(r'\s%(?:filename|line)\{[^}]*\}', "", "\n".join(lines)) + "\n"
     numbers = {}
-    return re.sub(r"___\d+_", lambda found: numbers.setdefault(found[0], f"___{len(numbers)}_"), text)
+    return re.sub(r"___\d+_", lambda match: numbers.setdefault(match[0], f"___{len(numbers)}_"), text)
 
 
 # The Script node.
@@ -282,14 +299,14 @@ def fill(script, bytecode: str):
     script.bytecode_hash = hashlib.md5(bytecode.encode()).hexdigest()
 
 
-def _entry_of(inside):
-    """The identifier of the group's socket that feeds one inside; None where something else does, or nothing."""
-    link = inside.links[0] if inside.is_linked else None
+def _source_of(socket):
+    """The identifier of the group's socket that is linked to a socket inside; None without a link from the group."""
+    link = socket.links[0] if socket.is_linked else None
     return link.from_socket.identifier if link and link.from_node.bl_idname == "NodeGroupInput" else None
 
 
 def table_files(group, model) -> dict:
-    """{table: path} of the files that a group's shader reads its tables from; {} where they are compiled in."""
+    """{table: path} of the albedo table files that a group's shader reads; {} where the tables are compiled in."""
     script = script_in(group)
     modes = {f"table_{assembler.mode_of(tables.TABLES[name])}": name for name in tabulated.tables_of(model)}
     return {modes[s.identifier]: Path(bpy.path.abspath(s.default_value)) for s in (script.inputs if script else ())
@@ -297,15 +314,18 @@ def table_files(group, model) -> dict:
 
 
 def spans_of(group) -> dict:
-    """{table: (least, largest) exponent} that the tables compiled into a group are baked for, as far as it is known."""
-    known = group.get(SPANS_KEY)
-    pairs = {name: pair_of(span) for name, span in known.items()} if hasattr(known, "items") else {}
+    """{table: (least, largest) exponent} of the tables compiled into a group's shader.
+
+    Tables without a valid entry in the group's custom property are left out.
+    """
+    entries = group.get(SPANS_KEY)
+    pairs = {name: pair_of(span) for name, span in entries.items()} if hasattr(entries, "items") else {}
     return {name: pair for name, pair in pairs.items() if pair is not None}
 
 
 @bpy.app.handlers.persistent
 def on_load(*_):
-    """Of what a file brings: where bytecode is announced and there is none, Blender would end when it renders."""
+    """Clear the bytecode hash of Script nodes without bytecode in a loaded file: Blender would crash on rendering them."""
     for group in bpy.data.node_groups:
         for node in group.nodes if MODEL_KEY in group and group.is_editable else ():
             if node.bl_idname == SCRIPT and node.bytecode_hash and not node.bytecode:
@@ -313,11 +333,11 @@ def on_load(*_):
 
 
 def start():
-    """Look at every file that is loaded from now on."""
+    """Check every file on loading, see `on_load`."""
     bpy.app.handlers.load_post.append(on_load)
 
 
 def stop():
-    """Look no more."""
+    """Stop checking files."""
     if on_load in bpy.app.handlers.load_post:
         bpy.app.handlers.load_post.remove(on_load)

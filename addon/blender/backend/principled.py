@@ -1,7 +1,7 @@
-"""The fallback backend: Principled BSDFs inside the group. Coarse, and on any device and in any engine.
+"""The fallback backend: Principled BSDFs inside the group. It is coarse, and runs on any device and in any engine.
 
 Where a model's program follows its sockets, nodes compute the Principled BSDF's inputs from the same sockets, so that
-textures, drivers and keyframes show. Other models have inputs that are fitted for their values.
+textures, drivers and keyframes take effect. For other models the inputs are fitted for fixed values.
 """
 import json
 from dataclasses import dataclass
@@ -13,10 +13,13 @@ from ..host.translation import tr
 from .node_builder import Nodes
 from .protocol import MODEL_KEY, STAND_IN, Cure, Notice, Program, text_of
 
-NAME = STAND_IN  # of the node
+# Name of the Principled BSDF node.
+NAME = STAND_IN
 _PRINCIPLED = "ShaderNodeBsdfPrincipled"
-_PROGRAM_KEY = "plausible_fallback"  # of a group: the inputs that were fitted, as JSON
-_OWN = {"shading_normal"}  # parameters for a renderer alone that the nodes use
+# Custom property of a group: the fitted inputs, as JSON.
+_PROGRAM_KEY = "plausible_fallback"
+# Parameters that the formula does not read and the nodes do.
+_OWN = {"shading_normal"}
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,7 @@ class PrincipledFit:
         """See `Backend`."""
 
     def why_not(self, scene=None) -> tuple:
-        """See `Backend`: it always renders."""
+        """See `Backend`: no obstacles, it renders everywhere."""
         return ()
 
     def prepare(self, scene) -> bool:
@@ -46,7 +49,7 @@ class PrincipledFit:
         return False
 
     def notices(self, node, model, values) -> tuple:
-        """See `Backend`: how far it is from the model."""
+        """See `Backend`: the difference from the model, in percent."""
         try:
             lobe, albedo = fallback.error(model, values)
         except ValueError:  # an image that cannot be read
@@ -69,10 +72,10 @@ class PrincipledFit:
         return self.follows_sockets(model)
 
     def check(self, model, values):
-        """See `Backend`. It takes all values."""
+        """See `Backend`. All values are valid."""
 
     def program(self, model, values=None, ranges=None) -> Program:
-        """See `Backend`. Driven parameters count with the value of their socket."""
+        """See `Backend`. `ranges` is not used: a driven parameter enters with its socket's value."""
         if self.follows_sockets(model):
             return Program(self.id, model.id, "")
         evaluated = {p.id: p.default for p in model.parameters if p.evaluated} | (values or {})
@@ -93,15 +96,17 @@ class PrincipledFit:
     def install(self, group, model, program, inputs):
         """See `Backend`."""
         nodes = Nodes(group)
+        # One metallic node; a program with fitted inputs is complete with it.
         normal = nodes.normal(inputs["shading_normal"])
         node = nodes.principled(NAME, normal, metallic=1.0)
         self.update(group, program)
         if not self.follows_sockets(model):
             return node.outputs[0]
         exponent = (_lump_exponent if isinstance(model, DiskModel) else _lobe_exponent)(nodes, model, inputs)
-        # A half-vector power of m looks like a microfacet lobe with m = 2/alpha² - 2 and alpha = roughness², nearly.
+        # A half-vector power m is nearly a microfacet lobe with m = 2/alpha² - 2 and alpha = roughness².
         roughness = nodes.math("POWER", nodes.math("DIVIDE", 2.0, nodes.math("ADD", exponent, 2.0)), 0.25)
         nodes.feed(node, "Roughness", nodes.math("MULTIPLY", roughness, principled_fit.ROUGHNESS_FACTORS[model.id]))
+        # The color, and under it the diffuse part of models that have one.
         if "diffuse_color" in inputs:
             return _over_diffuse(nodes, inputs, node, normal)
         nodes.feed(node, "Base Color", _color(nodes, inputs))
@@ -111,12 +116,12 @@ class PrincipledFit:
         """See `Backend`."""
         group[_PROGRAM_KEY] = program.content
         node = group.nodes.get(NAME)
-        if node is not None and node.bl_idname == _PRINCIPLED:  # not one that a user made
+        if node is not None and node.bl_idname == _PRINCIPLED:  # a user may have put another node under this name
             for name, value in json.loads(program.content or "{}").items():
                 node.inputs[name].default_value = value
 
     def output(self, group):
-        """See `Backend`: what feeds the group's second output."""
+        """See `Backend`: the socket that is linked to the group's second output."""
         end = next((node for node in group.nodes if node.bl_idname == "NodeGroupOutput"), None)
         socket = end and end.inputs.get(STAND_IN)
         return socket.links[0].from_socket if socket and socket.is_linked else None
@@ -128,12 +133,15 @@ class PrincipledFit:
         return Program(self.id, text_of(group, MODEL_KEY), text_of(group, _PROGRAM_KEY))
 
     def unfed(self, group, fed_by) -> list:
-        """See `Backend`: the nodes make do with what is linked."""
+        """See `Backend`: none, as the nodes work with any links."""
         return []
 
 
 def _lobe_exponent(nodes, model, inputs):
-    """Exponent of the half-vector power that is as wide as the lobe, from its exponent or its roughness."""
+    """Exponent of the half-vector power that is as wide as the lobe, from its exponent or its roughness.
+
+    Roughness r gives the exponent 2/alpha² - 2 with alpha = r².
+    """
     alpha = nodes.math("POWER", nodes.math("MAXIMUM", inputs["roughness"], 1e-2), 2.0)
     by_roughness = nodes.math("SUBTRACT", nodes.math("DIVIDE", 2.0, nodes.math("MULTIPLY", alpha, alpha)), 2.0)
     exponent = nodes.blend(inputs["use_roughness"], inputs["exponent"], nodes.math("MAXIMUM", by_roughness, 1.0))
@@ -141,7 +149,7 @@ def _lobe_exponent(nodes, model, inputs):
 
 
 def _lump_exponent(nodes, model, inputs):
-    """A lump of n and radius R is as wide as a half-vector power of 2n/R² at normal incidence."""
+    """The half-vector power 2n/R² that is as wide at normal incidence as a lump of exponent n and radius R."""
     rule = model.lumps[0]
     radius = inputs[rule.radii[0]]
     for name in rule.radii[1:]:
@@ -151,7 +159,7 @@ def _lump_exponent(nodes, model, inputs):
 
 
 def _color(nodes, inputs):
-    """Reflectance at normal incidence: the color, or for a conductor ((n-1)² + k²) / ((n+1)² + k²)."""
+    """Reflectance at normal incidence: the color, or ((n-1)² + k²) / ((n+1)² + k²) for a conductor."""
     if "fresnel_type" not in inputs:
         return inputs["base_color"]
     n, k = inputs["ior"], inputs["extinction"]
@@ -159,20 +167,28 @@ def _color(nodes, inputs):
     less, more = (nodes.vector("ADD", n, (side, side, side)) for side in (-1.0, 1.0))
     metal = nodes.vector("DIVIDE", nodes.vector("MULTIPLY_ADD", less, less, squares),
                          nodes.vector("MULTIPLY_ADD", more, more, squares))
+    # The choice "conductor" is 2.
     return nodes.blend_vector(nodes.math("GREATER_THAN", inputs["fresnel_type"], 1.5), inputs["base_color"], metal)
 
 
 def _over_diffuse(nodes, inputs, lobe, normal):
-    """(1-F) diffuse + F specular, F Schlick's factor of the brightest channel; the lobe has the others' proportions."""
+    """The shader (1-F) diffuse + F specular.
+
+    F is Schlick's Fresnel factor of the brightest channel. The color of the specular lobe is scaled to a brightest
+    channel of 1.
+    """
+    # Scale the lobe's color.
     channels = nodes.split(inputs["base_color"])
     brightest = nodes.math("MAXIMUM", nodes.math("MAXIMUM", channels[0], channels[1]), channels[2])
     inverse = nodes.math("DIVIDE", 1.0, nodes.math("MAXIMUM", brightest, 1e-6))
     nodes.feed(lobe, "Base Color", nodes.vector("SCALE", inputs["base_color"], scale=inverse))
+    # Schlick's factor of the view. With a blend of 0.5 the output Facing is 1 - N·V.
     facing = nodes.new("ShaderNodeLayerWeight")
-    facing.inputs["Blend"].default_value = 0.5  # then it is 1 - N·V
+    facing.inputs["Blend"].default_value = 0.5
     nodes.link(normal, facing.inputs["Normal"])
     grazing = nodes.math("POWER", facing.outputs["Facing"], 5.0)
     factor = nodes.blend(grazing, brightest, 1.0)
+    # The diffuse part, mixed with the lobe.
     diffuse = nodes.principled(f"{NAME}, Diffuse", normal, metallic=0.0)
     diffuse.inputs["Roughness"].default_value = 1.0
     diffuse.inputs["Specular IOR Level"].default_value = 0.0

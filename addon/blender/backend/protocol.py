@@ -1,18 +1,20 @@
-"""The seam between a model and what renders it: each backend says what it can do and fills a group with its nodes."""
+"""The interface between a model and its renderer: a backend reports its abilities and fills a group with its nodes."""
 from dataclasses import dataclass, field
 from typing import Protocol
 
-BSDF, STAND_IN = "BSDF", "Stand-in"  # a group's outputs: for Cycles, and for other engines
-MODEL_KEY = "plausible_model"  # of a group: the id of its model
+# Outputs of a group: for Cycles, and for other engines.
+BSDF, STAND_IN = "BSDF", "Stand-in"
+# Custom property of a group: the id of its model.
+MODEL_KEY = "plausible_model"
 
 
 class BackendError(RuntimeError):
-    """This Blender cannot run a backend; the message says why and what to do."""
+    """This Blender cannot run a backend. The message gives the reason and a remedy."""
 
 
 @dataclass(frozen=True)
 class Cure:
-    """A button: an operator's name, its label, and the operator's settings."""
+    """A button that solves a problem: an operator's id, the button's label, and the operator's settings by name."""
 
     operator: str
     label: str = ""
@@ -21,7 +23,7 @@ class Cure:
 
 @dataclass(frozen=True)
 class Notice:
-    """A sentence for the panel, the buttons that mend what it reports (any one of them does), and an icon."""
+    """A sentence for the panel, the buttons that solve the reported problem (any one suffices), and an icon."""
 
     text: str
     cures: tuple = ()
@@ -33,10 +35,11 @@ class Notice:
 
 @dataclass(frozen=True)
 class Program:
-    """What a backend renders a model by. It knows no bpy and can be hashed, so a cache can hold it.
+    """The backend's representation of one model. It is free of bpy and hashable, so that a cache can store it.
 
-    `content` is the backend's own text: bytecode for OSL, a node's inputs as JSON for the fallback. `spans` are
-    (table, least, largest): the exponents that the albedo tables inside are baked for.
+    `backend` and `model` are ids. `content` is text in the backend's own format: bytecode for OSL, a node's inputs as
+    JSON for the fallback. `spans` are tuples (table, least, largest): the range of exponents of each albedo table that
+    is compiled into the program.
     """
 
     backend: str
@@ -46,87 +49,93 @@ class Program:
 
 
 class Backend(Protocol):
-    """What the rest of the extension asks of a backend. Instances are immutable; options are fields."""
+    """The operations of a backend that the rest of the extension uses. Instances are immutable; options are fields."""
 
-    id: str  # kept on the group
+    id: str  # stored on the group
     label: str
 
     def with_options(self, **options) -> "Backend":
-        """This backend with options of `create_material`. Raises ValueError for an option that it lacks."""
+        """This backend with options of `create_material`.
+
+        Raises ValueError for an invalid value, TypeError for an unknown option.
+        """
 
     def as_kept(self, group) -> "Backend":
-        """This backend with the options that a group keeps."""
+        """This backend with the options stored on a group."""
 
     def keep_options(self, group):
-        """Keep the options on a group, for `as_kept`."""
+        """Store the options on a group, for `as_kept`."""
 
     def why_not(self, scene=None) -> tuple:
-        """Notices of what stands in the way, the gravest first; () where it renders.
+        """Notices of the obstacles to rendering, the gravest first; () where there are none.
 
-        Without a scene they are those of this Blender alone, else also of the scene's device and settings.
+        Without a scene they cover this Blender alone; with a scene also its device and settings.
         """
 
     def prepare(self, scene) -> bool:
-        """Switch on what the backend needs in a scene; whether that changed anything."""
+        """Switch on the settings that the backend needs in a scene. Returns whether a setting changed."""
 
     def notices(self, node, model, values: dict) -> tuple:
-        """Notices about one node that this backend renders."""
+        """Notices about one node of this backend, for `values` by parameter id."""
 
     def parameters(self, model) -> tuple:
-        """The model's parameters that the backend's groups have sockets for: its estimator's own are among them."""
+        """The model's parameters that have a socket on the backend's groups, those of the estimator included."""
 
     def follows_sockets(self, model) -> bool:
-        """Whether a program follows the group's sockets. Otherwise it is made for the values of the parameters."""
+        """Whether a program reads the group's sockets. Otherwise it is made for fixed values of the parameters."""
 
     def can_share(self, model) -> bool:
-        """Whether the nodes of a model can share a group."""
+        """Whether several nodes of a model can share one group."""
 
     def check(self, model, values: dict):
-        """Raise ValueError where the backend cannot render these (resolved) values."""
+        """Raise ValueError where the backend cannot render the (resolved) values."""
 
     def program(self, model, values: dict | None = None, ranges: dict | None = None) -> Program:
-        """The program of a model: for `values` by parameter id, and over `ranges` {id: (least, most)} of driven ones.
+        """The program of a model, for `values` by parameter id and `ranges` {id: (least, most)} of driven parameters.
 
-        Raises BackendError where this Blender cannot make it, ValueError for values that the model refuses.
+        Raises BackendError where this Blender cannot make the program, ValueError for values that the model rejects.
         """
 
     def blank(self, model) -> Program:
-        """A program for no values, made at once, of a model whose programs do not follow the sockets."""
+        """A placeholder program, made at once, of a model whose programs do not follow the sockets."""
 
     def is_cached(self, model, values: dict, ranges: dict) -> bool:
-        """Whether `program` takes no time."""
+        """Whether `program` returns at once, from a cache."""
 
     def install(self, group, model, program: Program, inputs: dict):
-        """Add the backend's nodes to a group, fed by `inputs` {parameter id: socket}; returns their shader socket."""
+        """Add the backend's nodes to a group, and link `inputs` {parameter id: socket} to them.
+
+        Returns the nodes' shader socket.
+        """
 
     def update(self, group, program: Program):
-        """Put another program into a group that has the backend's nodes; its links stay."""
+        """Replace the program in a group that has the backend's nodes. The links stay."""
 
     def output(self, group):
-        """The shader socket of the backend's nodes in a group; None where they are gone."""
+        """The shader socket of the backend's nodes in a group; None where the nodes are missing."""
 
     def installed(self, group) -> Program | None:
-        """The program in a group; None where there is none, or none that renders."""
+        """The program in a group; None where it is missing or damaged."""
 
     def unfed(self, group, fed_by: dict) -> list:
         """Ids of parameters whose socket on the group no longer feeds the backend's nodes.
 
-        `fed_by` are {parameter id: identifier of the group's socket}.
+        `fed_by` is {parameter id: identifier of the group's socket}.
         """
 
 
 def text_of(thing, key: str) -> str:
-    """A custom property as text, "" where there is none: users may write there what they like."""
+    """A custom property as text; "" where it is missing or has another type, as users may edit it."""
     value = thing.get(key)
     return value if isinstance(value, str) else ""
 
 
 def pair_of(value):
-    """Two numbers out of a custom property; None where it holds something else."""
+    """A custom property as a tuple of two numbers; None where it holds something else."""
     numbers = tuple(value) if hasattr(value, "__len__") else ()
     return numbers if len(numbers) == 2 and all(isinstance(n, int | float) for n in numbers) else None
 
 
 def stored(socket, value):
-    """A parameter's value as its socket stores it: colors have a fourth number."""
+    """A parameter's value in the form that its socket stores: a color socket has a fourth number, 1."""
     return (*value, 1.0) if isinstance(value, tuple) and len(socket.default_value) == 4 else value

@@ -17,7 +17,7 @@ from ...measure import scene, standards
 FURNACE, SKY, AREA, SUN, FULL = "furnace", "hdri", "area", "sun", "room"
 SCENES = (FURNACE, SKY, AREA, SUN, FULL)
 LAMP_DIRECTION = (0.36, 0.48, 0.8)
-LAMP_SIZE, LAMP_DISTANCE = 0.5, 3.5  # metres; the sphere's radius is 1
+LAMP_SIZE, LAMP_DISTANCE = 0.5, 3.5  # meters; the sphere's radius is 1
 FLOOR = 0.5  # reflectance of the room's floor
 BOUNCES = 4  # in the room
 
@@ -132,8 +132,8 @@ def _samples_for(place, seconds):
 
 
 def _covered(resolution):
-    centres = 2.0 * ((np.arange(resolution) + 0.5) / resolution - 0.5)
-    return centres[:, None] ** 2 + centres**2 < 0.99**2
+    centers = 2.0 * ((np.arange(resolution) + 0.5) / resolution - 0.5)
+    return centers[:, None] ** 2 + centers**2 < 0.99**2
 
 
 def _relative_variance(pictures):

@@ -30,9 +30,9 @@ def ours(model, assignments, samples) -> Candidate:
 
 
 def base_alone(model, assignments) -> Candidate:
-    """The base of a model without splats: less noise, and quicker, than any estimator with this base can be."""
+    """The base of a model without kernels: less noise, and quicker, than any estimator with this base can be."""
     made = specimen.of_model(model.id, assignments)
-    text = assembler.assemble(model, parameters=made.parameters, defines={"SPLATS": "0"})
+    text = assembler.assemble(model, parameters=made.parameters, defines={"KERNELS": "0"})
     from ...blender.backend import osl
     from ...blender.material import groups
 

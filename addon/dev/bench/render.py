@@ -78,7 +78,7 @@ def _ratio(value):
 
 
 def draw(report):
-    """Efficiency and time of each model over the closure in OSL, a colour for each scene, and of its base alone."""
+    """Efficiency and time of each model over the closure in OSL, a color for each scene, and of its base alone."""
     plt = plots._pyplot()
     scenes = list(dict.fromkeys(result["scene"] for result in report["results"]))
     models = list(dict.fromkeys(result["model"] for result in report["results"]))

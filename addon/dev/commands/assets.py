@@ -9,7 +9,7 @@ from ...measure.scene import quiet, require_blender
 from ..packaging import assets
 
 DESCRIPTION = ("Make the asset library that ships with the extension: presets as materials, models as nodes, with "
-               "catalogues and thumbnails (`plausible previews` renders those). Blender reads what its own and older "
+               "catalogs and thumbnails (`plausible previews` renders those). Blender reads what its own and older "
                "versions wrote, so the library that ships is made in Blender 4.2: ./run assets does that.")
 
 

@@ -19,7 +19,7 @@ half     angle of the half vector where f, seen from above, is one half
 recipr.  largest |f(V,L) - f(L,V)| over the larger
 albedo   the largest, and where; ! passes 1
 peak     of f beyond the mirror direction, light at {angles}; hor: at the horizon; inf: unbounded there
-Fresnel  growth of a colour of 4 % to 85°, where there is a choice by Schlick
+Fresnel  growth of a color of 4 % to 85°, where there is a choice by Schlick
 aniso.   largest change of f as view and light turn by 90°, slopes or exponents unequal
 spike    largest reflectance of the mirror on top of f; wave: change of f when the wavelength grows by a fifth
 D        distribution of half vectors at normal incidence, and its error: Beckmann's, a power of the cosine, or neither

@@ -49,7 +49,7 @@ SCENES = {
     "road": Scene(
         "road", "night_road.png", "night_road.blend", "A road at night in stock Cycles",
         "Signs, markings and posts in a car's headlights, after figure 10 of Edwards et al. "
-        "The same colours and lamps, one exposure, no denoising.",
+        "The same colors and lamps, one exposure, no denoising.",
         2, (640, 368), 64),
     "furnace": Scene(
         "furnace", "invisible_spheres.png", "invisible_spheres.blend", "Invisible spheres in stock Cycles",

@@ -7,7 +7,7 @@ from ...cli import CommandError, require
 DESCRIPTION = ("Plot albedos, lobes and half vectors of the reference models, as PNG and SVG. pumping: the pumping "
                "paper's figures 1 and 3 to 7. disk: the disk paper's 7, 8 and 13. compare: lobes of all models in "
                "the plane of incidence, as wide as one another. rtr: spheres with original and with "
-               "normalised Phong highlights, rendered, after figure 7.38 of Real-Time Rendering.")
+               "normalized Phong highlights, rendered, after figure 7.38 of Real-Time Rendering.")
 SETS = {name: f"addon.dev.figures.{name}" for name in ("pumping", "disk", "compare", "rtr")}
 RENDERED = ("rtr",)
 

@@ -29,7 +29,7 @@ def add_arguments(parser):
                         help="parameters of MODEL itself to begin with; may be repeated")
     parser.add_argument("--free", nargs="+", metavar="PARAMETER",
                         help="what may change (default: all numbers but wavelength, scattering and rotation, and the "
-                             "base colour; colours stay grey where the target is)")
+                             "base color; colors stay gray where the target is)")
     parser.add_argument("--views", type=float, nargs="+", metavar="DEG",
                         help="view angles from the normal, 0 to 85, of a model to be like (default: 0 to 60 by tens)")
     parser.add_argument("--floor", type=float, default=samples.FLOOR, metavar="PART",

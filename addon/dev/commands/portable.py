@@ -24,7 +24,7 @@ def add_arguments(parser):
                         help="samples per pixel (default: %(default)s)")
     parser.add_argument("--tolerance", type=float, default=0.05, metavar="PART",
                         help="how far another version's picture may be from the first's: the mean difference of "
-                        "squares of 8 x 8 pixels, in parts of the mean colour (default: %(default)s)")
+                        "squares of 8 x 8 pixels, in parts of the mean color (default: %(default)s)")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 

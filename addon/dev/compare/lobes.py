@@ -24,7 +24,7 @@ def those(model, **values) -> dict:
 
 
 def glossy(model, given) -> dict:
-    """`given` without diffuse part and colour: the lobe alone."""
+    """`given` without diffuse part and color: the lobe alone."""
     white = {"base_color": (1.0, 1.0, 1.0), "diffuse_color": (0.0, 0.0, 0.0), "fresnel_type": "constant"}
     return {**given, **those(model, **white)}
 

@@ -101,7 +101,7 @@ def off_specular(model, given, light_angle: float):
 
 
 def fresnel(model, given) -> float:
-    """By what factor the mirror direction's colour of 4 % grows from 0 to 85 degrees; 1 where it does not.
+    """By what factor the mirror direction's color of 4 % grows from 0 to 85 degrees; 1 where it does not.
 
     Where the model has a choice, Schlick's approximation is chosen.
     """
@@ -126,9 +126,9 @@ def anisotropy(model, given) -> float:
 
 
 def diffuse(model, given) -> str:
-    """What a diffuse colour adds: nothing, a constant f (Lambert), or something that depends on the directions.
+    """What a diffuse color adds: nothing, a constant f (Lambert), or something that depends on the directions.
 
-    Over a specular colour of one half, as some parts are what that lets in.
+    Over a specular color of one half, as some parts are what that lets in.
     """
     added = lobes.those(model, diffuse_color=(0.5,) * 3)
     if not added:
@@ -163,7 +163,7 @@ def dispersion(model, given) -> float:
 def half_vector_distribution(model, given) -> tuple:
     """(BECKMANN, POWER or NEITHER, {each: root mean square error}): what half vectors follow at normal incidence.
 
-    The distribution is D = 4 f (N·L)(N·V) of microfacets that hide nothing (Cook and Torrance 1982, as normalised by
+    The distribution is D = 4 f (N·L)(N·V) of microfacets that hide nothing (Cook and Torrance 1982, as normalized by
     Neumann et al. eq. 9). Candidates fall to one half where D does. Errors are in parts of the peak, out to where D is
     one hundredth. NEITHER where the smaller error is more than half of the other.
     """

@@ -1,6 +1,6 @@
 """Three balls of one model side by side, for its page: a small sun, and a sky that is brightest at the horizon.
 
-Lengths in metres, z up; the camera looks along +y.
+Lengths in meters, z up; the camera looks along +y.
 """
 import math
 from pathlib import Path

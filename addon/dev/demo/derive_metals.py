@@ -8,7 +8,7 @@ integrated at every angle from 0 to 85 degrees through the CIE 1931 2-degree obs
 primaries) and divided by what a perfect mirror gives. The illuminant is D65, whose chromaticity is sRGB's white: a
 mirror is then (1, 1, 1) with no chromatic adaptation between observer and screen, and its spectrum is the daylight
 that an artist's "white" stands for. (With `--illuminant E` no channel moves by more than 0.02.)
-A colour outside the RGB gamut (gold's red is above 1) is clipped channel by channel to 0..1: a reflectance above 1
+A color outside the RGB gamut (gold's red is above 1) is clipped channel by channel to 0..1: a reflectance above 1
 would create energy. Then one pair n, k per channel is fitted so that the conductor formula follows that channel over
 the angles.
 """

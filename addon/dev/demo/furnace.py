@@ -1,4 +1,4 @@
-"""White spheres in a constant environment: after figure 2 of Edwards et al. Lengths in metres, z up.
+"""White spheres in a constant environment: after figure 2 of Edwards et al. Lengths in meters, z up.
 
 A sphere that reflects all that it receives, and no more, cannot be told from what is behind it.
 """
@@ -13,7 +13,7 @@ RESOLUTION = (960, 480)
 CAPTION = "All eight are white: what is darker than the background lost light, what is brighter made it"
 RADIUS = 0.76
 COLUMNS, ROWS = (-3.0, -1.0, 1.0, 3.0), (1.14, -0.84)  # x and z of the spheres
-LABEL_DROP, LABEL_SIZE = 0.96, 0.165  # below a sphere's centre
+LABEL_DROP, LABEL_SIZE = 0.96, 0.165  # below a sphere's center
 VIEW_WIDTH = 8.0
 BACKGROUND = 0.6  # radiance: light gray on screen, with room above for a sphere that makes light
 EXPONENT = 20.0  # of (N·H)^n; all lobes are about as wide at normal incidence

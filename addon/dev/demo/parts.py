@@ -1,4 +1,4 @@
-"""What the demo's scenes are made of: bodies, matte materials, skies, the camera, and the file. Lengths in metres."""
+"""What the demo's scenes are made of: bodies, matte materials, skies, the camera, and the file. Lengths in meters."""
 import math
 
 import bpy
@@ -60,7 +60,7 @@ def ball(scene, name, radius, mesh=None):
 
 
 def text(scene, name, words, size):
-    """A flat mesh of `words` in Blender's own font, centred in the xy plane and read from +z; `size` in metres."""
+    """A flat mesh of `words` in Blender's own font, centered in the xy plane and read from +z; `size` in meters."""
     curve = bpy.data.curves.new(name, "FONT")
     curve.body, curve.size = words, size
     curve.align_x, curve.align_y = "CENTER", "CENTER"

@@ -1,6 +1,6 @@
-"""Red plastic spheres with original and with normalised Phong highlights: after figure 7.38 of Real-Time Rendering.
+"""Red plastic spheres with original and with normalized Phong highlights: after figure 7.38 of Real-Time Rendering.
 
-Lengths in metres, z up; the camera looks along +y.
+Lengths in meters, z up; the camera looks along +y.
 """
 import math
 from pathlib import Path
@@ -10,7 +10,7 @@ import bpy
 from . import parts, picture
 
 EXPONENTS = (25.0, 50.0, 75.0, 100.0)  # m, from the left
-SPECULAR = 0.05  # c_spec of the normalised row
+SPECULAR = 0.05  # c_spec of the normalized row
 DIFFUSE = (0.95, 0.0, 0.0)  # c_diff
 RADIUS, SPACING = 0.46, 1.0
 SUN_DIRECTION = (-0.42, -0.72, 0.55)  # towards it; made a unit vector where used
@@ -18,7 +18,7 @@ SUN_ENERGY, SUN_ANGLE = 1.15, 2.0  # irradiance in W/m² where it stands above, 
 
 
 def scale(exponent: float, normalized: bool) -> float:
-    """k_s of k_s (R·L)^m: (m+2)/(2 pi) c_spec where normalised, else what makes the two leftmost spheres match."""
+    """k_s of k_s (R·L)^m: (m+2)/(2 pi) c_spec where normalized, else what makes the two leftmost spheres match."""
     return ((exponent if normalized else EXPONENTS[0]) + 2.0) / (2.0 * math.pi) * SPECULAR
 
 
@@ -70,9 +70,9 @@ def _plastic(exponent, normalized):
     """
     from ... import create_material
 
-    colour = scale(exponent, normalized) * 2.0 * math.pi / (exponent + 2.0)
+    color = scale(exponent, normalized) * 2.0 * math.pi / (exponent + 2.0)
     material = create_material("phong", name=f"Plastic m = {exponent:g}{' normalized' if normalized else ''}",
-                               exponent=exponent, base_color=colour)
+                               exponent=exponent, base_color=color)
     nodes, links = material.node_tree.nodes, material.node_tree.links
     surface = material.node_tree.get_output_node("CYCLES").inputs["Surface"]
     highlight = surface.links[0].from_socket

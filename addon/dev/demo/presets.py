@@ -1,4 +1,4 @@
-"""A sphere of each preset under an HDRI, side by side. Lengths in metres, z up; the camera looks along +y.
+"""A sphere of each preset under an HDRI, side by side. Lengths in meters, z up; the camera looks along +y.
 
 All spheres are in one picture, whose tiles are cut out: they are lit by the sky and the lamp and not by each other. The
 lamp stands beside the camera, as a flash does, since what retroreflectors return is seen only there.

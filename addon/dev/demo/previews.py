@@ -1,4 +1,4 @@
-"""Previews of models and presets: a ball each, in one neutral light. Lengths in metres, z up."""
+"""Previews of models and presets: a ball each, in one neutral light. Lengths in meters, z up."""
 import math
 from pathlib import Path
 
@@ -41,7 +41,7 @@ def look(model_id: str) -> dict:
 
 
 def render(path: Path, model_id: str, parameters: dict, headlight: bool = False):
-    """Render the ball with a model, quantise it and write it to `path`, which is replaced when all is done."""
+    """Render the ball with a model, quantize it and write it to `path`, which is replaced when all is done."""
     from PIL import Image
 
     from ... import create_material

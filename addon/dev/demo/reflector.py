@@ -2,7 +2,7 @@
 
 After Sawicki, "Modeling the metallic reflection using appropriate BRDF model", who compares models for simulating such
 figures and makes them comparable by one angle of the half vector at which each has fallen to half of its peak. The
-paper gives neither reflector, lamp nor view: these are ours. Lengths in metres, z along the reflector's axis.
+paper gives neither reflector, lamp nor view: these are ours. Lengths in meters, z along the reflector's axis.
 """
 import json
 import math
@@ -25,7 +25,7 @@ LAMP_POWER, LAMP_RADIUS = 0.02, 0.002  # W and m: the brightest picture just sta
 VIEW_ANGLE = 30.0  # degrees between the axis and the view, which is parallel
 VIEW_WIDTH = 0.48
 CENTRE = (0.0, 0.0, 0.035)  # what the camera looks at
-DECADES = 3.0  # of the picture in false colour
+DECADES = 3.0  # of the picture in false color
 # The reference, which others are as wide as: rough enough to show no mirror image of the lamp up to 70 degrees.
 REFERENCE = ("he_torrance", {"sigma": 0.4, "tau": 7.0})
 MATCHED = ("cook_torrance", "ashikhmin_shirley", "ward", "phong", "pumped_phong")
@@ -33,7 +33,7 @@ MATCHED = ("cook_torrance", "ashikhmin_shirley", "ward", "phong", "pumped_phong"
 
 @dataclass(frozen=True)
 class Surface:
-    """A model as the reflector wears it; its colour is white, so that only lobes differ."""
+    """A model as the reflector wears it; its color is white, so that only lobes differ."""
 
     model: str
     parameters: dict
@@ -96,7 +96,7 @@ def prepare(scene, samples: int):
     """Set the renderer to `samples` per pixel."""
     picture.prepare(scene, samples, exposure=0.0, indirect_clamp=0.0, bounces=1)
     scene.cycles.use_adaptive_sampling = False
-    scene.cycles.sampling_pattern = "TABULATED_SOBOL"  # the default pattern ties neighbouring pixels' noise together
+    scene.cycles.sampling_pattern = "TABULATED_SOBOL"  # the default pattern ties neighboring pixels' noise together
 
 
 def dress(bowl, surface):
@@ -110,7 +110,7 @@ def dress(bowl, surface):
 
 
 def render_all(folder: Path, resolution, samples: int, report=None) -> list:
-    """Render each surface; write its picture beside one in false colour, and reflector.json with what was measured.
+    """Render each surface; write its picture beside one in false color, and reflector.json with what was measured.
 
     `resolution` is that of one of the two. Returns the PNGs' paths; `report(line)` is told of each.
     """
@@ -183,7 +183,7 @@ def _radiance(png):
 
 
 def rim() -> np.ndarray:
-    """The rim as it is seen, (N, 2): across and up in the picture, in metres from its middle."""
+    """The rim as it is seen, (N, 2): across and up in the picture, in meters from its middle."""
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
     up = np.array([0.0, math.cos(math.radians(VIEW_ANGLE)), math.sin(math.radians(VIEW_ANGLE))])
     points = np.stack([RIM * np.cos(turn), RIM * np.sin(turn), np.full(181, RIM * RIM / (4.0 * FOCUS))], axis=-1)
@@ -191,7 +191,7 @@ def rim() -> np.ndarray:
 
 
 def _show(png, radiance, brightest, measured):
-    """Put the picture `png` beside its radiance over `brightest` in false colour, with what was measured, in its place.
+    """Put the picture `png` beside its radiance over `brightest` in false color, with what was measured, in its place.
 
     `measured` is what `compare` found, or None for the reference.
     """

@@ -1,7 +1,7 @@
 """A road at night in a driver's headlights: after figure 10 of Edwards et al.
 
-Signs, markings and posts are diffuse in one picture, and in the other retroreflectors of the same colours. Lengths in
-metres, z up; the road leaves the camera along +y, climbs a little and bends to the left. Traffic keeps to the right.
+Signs, markings and posts are diffuse in one picture, and in the other retroreflectors of the same colors. Lengths in
+meters, z up; the road leaves the camera along +y, climbs a little and bends to the left. Traffic keeps to the right.
 """
 import math
 from dataclasses import dataclass, field
@@ -27,7 +27,7 @@ BEND_START, BEND_RADIUS = 38.0, 170.0
 CLIMB_START, CLIMB_RADIUS = 20.0, 1500.0
 ROAD_END, HALF_WIDTH = 170.0, 3.9
 ASPHALT, VERGE, LEAVES, METAL = (0.11, 0.11, 0.115), (0.07, 0.09, 0.035), (0.035, 0.075, 0.03), (0.25, 0.25, 0.26)
-# Colours of what shines: linear RGB, as diffuse albedo and as F0 alike.
+# Colors of what shines: linear RGB, as diffuse albedo and as F0 alike.
 COLORS = {
     "white": (0.85, 0.85, 0.82), "red": (0.60, 0.02, 0.025), "blue": (0.015, 0.09, 0.42), "yellow": (0.85, 0.55, 0.04),
     "paint": (0.80, 0.80, 0.76),
@@ -38,7 +38,7 @@ LIFT = 0.006  # between layers that lie on one another: sheets on a board, paint
 
 @dataclass(frozen=True)
 class Version:
-    """One picture: `stem` names its files; `parameters` are what makes a colour shine back, None for diffuse."""
+    """One picture: `stem` names its files; `parameters` are what makes a color shine back, None for diffuse."""
 
     stem: str
     caption: str
@@ -58,7 +58,7 @@ VERSIONS = (
 
 @dataclass(frozen=True)
 class Sign:
-    """A sign beside the road: `at` metres ahead and `offset` to the right of the middle, its centre `height` above."""
+    """A sign beside the road: `at` meters ahead and `offset` to the right of the middle, its center `height` above."""
 
     name: str
     at: float
@@ -71,7 +71,7 @@ SIGNS = (Sign("Limit", 20.0, 5.1, 2.35), Sign("Bend", 31.0, 5.4, 2.3), Sign("Gui
 
 @dataclass(frozen=True)
 class Stage:
-    """The built scene, and the objects that wear each of COLORS: colour -> list of objects."""
+    """The built scene, and the objects that wear each of COLORS: color -> list of objects."""
 
     scene: object
     wearers: dict
@@ -83,7 +83,7 @@ def captions() -> list:
 
 
 def centre(s: float, offset: float = 0.0, height: float = 0.0):
-    """Point (x, y, z) `s` metres along the road, `offset` to the right of its middle and `height` above it."""
+    """Point (x, y, z) `s` meters along the road, `offset` to the right of its middle and `height` above it."""
     turn = heading(s)
     bent = max(s - BEND_START, 0.0)
     x = -BEND_RADIUS * (1.0 - math.cos(bent / BEND_RADIUS))
@@ -93,7 +93,7 @@ def centre(s: float, offset: float = 0.0, height: float = 0.0):
 
 
 def heading(s: float) -> float:
-    """Direction of the road `s` metres along it, in radians to the left of +y."""
+    """Direction of the road `s` meters along it, in radians to the left of +y."""
     return max(s - BEND_START, 0.0) / BEND_RADIUS
 
 
@@ -252,7 +252,7 @@ def _sheet(stage, pivot, name, outline, layer, color):
 
 
 def _board(scene, pivot, dull, outline, height, columns=(0.0,)):
-    """The sign's back of metal, and the columns that carry it from the ground, `height` below its centre."""
+    """The sign's back of metal, and the columns that carry it from the ground, `height` below its center."""
     back = parts.add(scene, f"{pivot.name} back", shapes.prism(outline, 0.02))
     back.parent, back.location.y = pivot, 0.012
     parts.wear(back, dull["Metal"])

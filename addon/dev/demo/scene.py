@@ -2,7 +2,7 @@
 
 Everything is a mesh with modifiers; no file is read. Metal faces are seen at every angle up to grazing, since that is
 where the models differ: the floor is a sheet of metal seen from low above, and each pyramid turns one face nearly
-edge-on. Lengths in metres, z up, the camera looks along +y.
+edge-on. Lengths in meters, z up, the camera looks along +y.
 """
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Outlines and lathe-turned bodies of the demo scene, as vertices and faces. Lengths in metres; never imports bpy."""
+"""Outlines and lathe-turned bodies of the demo scene, as vertices and faces. Lengths in meters; never imports bpy."""
 import math
 
 import numpy as np
@@ -11,7 +11,7 @@ def rounded(outline, radius: float, segments: int = 6):
     """
     points = np.asarray(outline, dtype=np.float64)
     if np.any(np.linalg.norm(np.diff(points, axis=0), axis=1) < 1e-6):
-        raise ValueError("rounded: two neighbours of the outline coincide")
+        raise ValueError("rounded: two neighbors of the outline coincide")
     result = [points[0]]
     for before, corner, after in zip(points, points[1:], points[2:], strict=False):
         u, v = before - corner, after - corner
@@ -46,7 +46,7 @@ def lathe(profile, turns: int = 96):
 
 
 def prism(outline, width: float):
-    """A convex outline of (x, z) pairs, counter-clockwise seen from -y, extruded along y over `width`, centred."""
+    """A convex outline of (x, z) pairs, counter-clockwise seen from -y, extruded along y over `width`, centered."""
     count = len(outline)
     vertices = [(x, y, z) for y in (-width / 2.0, width / 2.0) for x, z in outline]
     sides = [(i, (i + 1) % count, count + (i + 1) % count, count + i) for i in range(count)]

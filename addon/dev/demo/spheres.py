@@ -1,4 +1,4 @@
-"""Anisotropic spheres on a stand, lit by an HDRI alone: after figure 9 of Edwards et al. Lengths in metres, z up."""
+"""Anisotropic spheres on a stand, lit by an HDRI alone: after figure 9 of Edwards et al. Lengths in meters, z up."""
 import math
 from dataclasses import dataclass, field
 from functools import partial

@@ -2,7 +2,7 @@
 
 Source: D. Sawicki, "Modeling the metallic reflection using appropriate BRDF model". Every model has the half angle of
 He-Torrance's on one surface. A lobe is f itself for a fixed light, by the angle of the view, and is drawn over its own
-peak: what the paper normalises by it does not say. The plane contains the tangent.
+peak: what the paper normalizes by it does not say. The plane contains the tangent.
 """
 from dataclasses import dataclass
 
@@ -90,15 +90,15 @@ def _draw_models(name):
     for at, model in zip(axes, models, strict=True):
         shown = lobes_of(model)
         _protractor(at)
-        for light, curve, colour in zip(LIGHTS, shown.curves, COLOURS, strict=True):
-            _polar(at, curve, colour)
-            _mark(at, light, colour)
+        for light, curve, color in zip(LIGHTS, shown.curves, COLOURS, strict=True):
+            _polar(at, curve, color)
+            _mark(at, light, color)
         at.set_title(model.label, pad=2.0)
         at.text(0.0, 1.07, _shape_note(shown), ha="center", size=7.5, color=GREY)
-        for i, (height, colour) in enumerate(zip(shown.heights, COLOURS, strict=True)):
+        for i, (height, color) in enumerate(zip(shown.heights, COLOURS, strict=True)):
             at.text(0.36 * (i - 2.5), -0.3, f"× {height:.3g}" if height < 999.5 else f"× {height:.0f}", ha="center",
-                    size=7.5, color=colour)
-    _legend(figure, [(colour, f"light at {light:g}°") for light, colour in zip(LIGHTS, COLOURS, strict=True)])
+                    size=7.5, color=color)
+    _legend(figure, [(color, f"light at {light:g}°") for light, color in zip(LIGHTS, COLOURS, strict=True)])
     return figure
 
 
@@ -113,10 +113,10 @@ def _draw_published():
         _mark(at, light, INK)
         x, y = _point(light, 1.0)
         at.plot([0.0, x], [0.0, y], color=INK, linewidth=0.9, linestyle=(0, (1, 2)))
-        for each, colour in zip(shown, MODEL_COLOURS, strict=True):
-            _polar(at, each.curves[i], colour, filled=False)
+        for each, color in zip(shown, MODEL_COLOURS, strict=True):
+            _polar(at, each.curves[i], color, filled=False)
         at.set_title(f"light at {light:g}°", pad=2.0)
-    _legend(figure, [(colour, each.model.label) for each, colour in zip(shown, MODEL_COLOURS, strict=True)])
+    _legend(figure, [(color, each.model.label) for each, color in zip(shown, MODEL_COLOURS, strict=True)])
     return figure
 
 
@@ -161,18 +161,18 @@ def _protractor(at):
         at.text(-radius, -0.04, f"{radius:g}", ha="center", va="top", size=7.0, color=GREY)
 
 
-def _mark(at, light, colour):
+def _mark(at, light, color):
     """The light's ray, and a dot where it would be mirrored to."""
     x, y = _point(light, 1.0)
-    at.plot([-x, 0.0], [y, 0.0], color=colour, linewidth=0.9, linestyle=(0, (5, 3)))
-    at.plot(x, y, marker="o", markersize=3.2, color=colour, linestyle="none", zorder=3.0)
+    at.plot([-x, 0.0], [y, 0.0], color=color, linewidth=0.9, linestyle=(0, (5, 3)))
+    at.plot(x, y, marker="o", markersize=3.2, color=color, linestyle="none", zorder=3.0)
 
 
-def _polar(at, radius, colour, filled=True):
+def _polar(at, radius, color, filled=True):
     x, y = _point(VIEWS, radius)
-    at.plot(x, y, color=colour, linewidth=1.4)
+    at.plot(x, y, color=color, linewidth=1.4)
     if filled:
-        at.fill(x, y, color=colour, alpha=0.1, linewidth=0.0)
+        at.fill(x, y, color=color, alpha=0.1, linewidth=0.0)
 
 
 def _point(angle, radius):
@@ -183,6 +183,6 @@ def _point(angle, radius):
 def _legend(figure, entries):
     from matplotlib.lines import Line2D
 
-    lines = [Line2D([], [], color=colour, label=label) for colour, label in entries]
+    lines = [Line2D([], [], color=color, label=label) for color, label in entries]
     figure.legend(handles=lines, loc="upper right", ncols=len(lines), bbox_to_anchor=(0.995, 1.0), handlelength=1.6,
                   columnspacing=1.2, fontsize=8.5)

@@ -52,7 +52,7 @@ def lump_curve(radius: float, exponent: float, count: int = 801):
 def half_vector_density(model: str, view_angle: float, point, projection=disk.ORTHOGONAL, **parameters):
     """Density p (N,) on the disk of a model's half vectors at `point` (N, 2), solved from eq. 11; NaN off the disk.
 
-    p = 4 f (N·L)(L·H) / (dh/dH), its volume the albedo. Of colours it is the mean. The view lies in the x-z plane, at
+    p = 4 f (N·L)(L·H) / (dh/dH), its volume the albedo. Of colors it is the mean. The view lies in the x-z plane, at
     `view_angle` degrees. By the orthogonal projection p is f itself, as |V+L| = 2 (L·H).
     """
     point = np.atleast_2d(np.asarray(point, dtype=np.float64))
@@ -69,7 +69,7 @@ def half_vector_density(model: str, view_angle: float, point, projection=disk.OR
 
 
 def half_vector_image(model: str, view_angle: float, projection=disk.ORTHOGONAL, step: float = STEP, **parameters):
-    """`half_vector_density` at the centres of square pixels of side `step` over WINDOW: (rows of v, columns of u)."""
+    """`half_vector_density` at the centers of square pixels of side `step` over WINDOW: (rows of v, columns of u)."""
     u, v = _pixels(step)
     point = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
     return half_vector_density(model, view_angle, point, projection, **parameters).reshape(len(v), len(u))
@@ -93,7 +93,7 @@ def draw_half_vectors(compared=COMPARED, projection=disk.ORTHOGONAL):
     with matplotlib.rc_context(STYLE):
         head = f"Half vectors on the disk, {projection.id} projection"
         figure = captioned((14.0, 1.75 + 1.5 * len(compared)), head, (
-            "As figure 13: density of half vectors, p = 4 f (N·L)(L·H) / (dh/dH), from eq. 11. The disk is centred on "
+            "As figure 13: density of half vectors, p = 4 f (N·L)(L·H) / (dh/dH), from eq. 11. The disk is centered on "
             "the in-plane part of the view (dot); the cross is the normal, where light is mirrored. "
             "Thin lines: p = 0.1 and 1.\na: albedo, the volume on the disk."))
         axes = figure.subplots(len(compared), len(TURNS), sharex=True, sharey=True, squeeze=False)
@@ -167,7 +167,7 @@ def _polar(at, title):
 def _draw_lumps():
     import matplotlib
 
-    # Colours as the paper's.
+    # Colors as the paper's.
     with matplotlib.rc_context(STYLE):
         figure = captioned((10.6, 4.9), "Cross sections of the lump on the disk", (
             "As figure 8, both on the same scale. Eq. 26 with c = 0: p(h) = (n+1)/(πR²) [1 - |h|²/R²]ⁿ, of volume 1 "
@@ -183,19 +183,19 @@ def _draw_lumps():
 
 
 def _show_disk(at, angle, image, norm):
-    """One disk of figure 13 with its rim, centre and normal; returns the image as drawn."""
+    """One disk of figure 13 with its rim, center and normal; returns the image as drawn."""
     from matplotlib.patches import Circle
 
-    centre = (np.sin(np.radians(angle)), 0.0)
+    center = (np.sin(np.radians(angle)), 0.0)
     shown = at.imshow(image, extent=WINDOW, origin="lower", norm=norm, cmap="viridis", interpolation="nearest")
-    # Pixels cut by the rim are empty: the disk's lowest colour would fray without a ground of its own.
-    ground = Circle(centre, 1.0, facecolor=shown.cmap(0.0), edgecolor="none", zorder=shown.get_zorder() - 0.1)
+    # Pixels cut by the rim are empty: the disk's lowest color would fray without a ground of its own.
+    ground = Circle(center, 1.0, facecolor=shown.cmap(0.0), edgecolor="none", zorder=shown.get_zorder() - 0.1)
     at.add_patch(ground)
     shown.set_clip_path(ground)
     u, v = _pixels(STEP)
     at.contour(u, v, image, levels=(0.1, 1.0), colors="white", linewidths=0.6, alpha=0.7)
-    at.add_patch(Circle(centre, 1.0, facecolor="none", edgecolor=INK, linewidth=1.0))
-    at.plot(*centre, marker="o", markersize=2.6, color="white", linestyle="none")
+    at.add_patch(Circle(center, 1.0, facecolor="none", edgecolor=INK, linewidth=1.0))
+    at.plot(*center, marker="o", markersize=2.6, color="white", linestyle="none")
     at.plot(0.0, 0.0, marker="+", markersize=5.0, markeredgewidth=0.9, color=SHADES[4], linestyle="none")
     at.grid(False)
     at.set(xlim=WINDOW[:2], ylim=WINDOW[2:], xticks=(-1, 0, 1, 2), yticks=(-1, 0, 1), aspect="equal")
@@ -203,5 +203,5 @@ def _show_disk(at, angle, image, norm):
 
 
 def _pixels(step):
-    """Centres of WINDOW's pixels along u and v."""
+    """Centers of WINDOW's pixels along u and v."""
     return tuple(np.arange(low + 0.5 * step, high, step) for low, high in (WINDOW[:2], WINDOW[2:]))

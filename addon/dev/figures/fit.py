@@ -19,7 +19,7 @@ _VISIBLE = 0.01  # of the peak: what a lobe's plot reaches to
 
 
 def draw(found: fit.Fit, title: str):
-    """The figure of a `fit.Fit` as a matplotlib Figure. Of colours it shows the luminance."""
+    """The figure of a `fit.Fit` as a matplotlib Figure. Of colors it shows the luminance."""
     import matplotlib
 
     views = _views(found)

@@ -45,12 +45,12 @@ def draw(model, tiles, radius: float):
     with matplotlib.rc_context({**STYLE, "font.size": 8.5}):
         figure = Figure(figsize=SIZE, dpi=DPI)
         FigureCanvasAgg(figure)
-        for i, (value, colour) in enumerate(zip(this.values, LINES, strict=True)):
+        for i, (value, color) in enumerate(zip(this.values, LINES, strict=True)):
             at = figure.add_axes((0.005 + 0.17 * i, 0.14, 0.165, 0.84))
             tile = tiles[:, i * side:(i + 1) * side, :3]
             at.imshow(1.0 - (1.0 - tile) * _disk(side, radius), interpolation="bilinear", vmin=0.0, vmax=1.0)
             at.set_axis_off()
-            at.text(0.5, -0.02, this.label(value), transform=at.transAxes, ha="center", va="top", color=colour,
+            at.text(0.5, -0.02, this.label(value), transform=at.transAxes, ha="center", va="top", color=color,
                     size=9.0, weight="bold")
         _albedos(figure.add_axes((0.565, 0.17, 0.18, 0.71)), model, this)
         _lobes(figure.add_axes((0.765, 0.03, 0.23, 0.88)), model, this)
@@ -65,8 +65,8 @@ def _disk(side, radius):
 
 def _albedos(at, model, this):
     angles = np.linspace(0.0, 89.0, 90)
-    for given, colour in zip(this.settings(), LINES, strict=True):
-        at.plot(angles, mean(model.albedo(np.cos(np.radians(angles)), **given)), color=colour, linewidth=1.4)
+    for given, color in zip(this.settings(), LINES, strict=True):
+        at.plot(angles, mean(model.albedo(np.cos(np.radians(angles)), **given)), color=color, linewidth=1.4)
     at.axhline(1.0, color=INK, linewidth=0.7, linestyle=(0, (4, 3)))
     at.set(xlim=(0.0, 90.0), ylim=(0.0, min(max(1.08, 1.03 * at.get_ylim()[1]), TALLEST)), xticks=range(0, 91, 30),
            xticklabels=[f"{angle}°" for angle in range(0, 91, 30)])
@@ -78,9 +78,9 @@ def _lobes(at, model, this):
     _mark(at, LIGHT, GREY)
     plane = [1, 0, 2] if this.is_across else [0, 1, 2]
     view, light = (in_plane(angles)[:, plane] for angles in (VIEWS, -LIGHT))
-    for given, colour in zip(this.settings(), LINES, strict=True):
+    for given, color in zip(this.settings(), LINES, strict=True):
         f = lobes.value(model, view, light, lobes.glossy(model, given))
-        _polar(at, f / f.max(), colour, filled=False)
+        _polar(at, f / f.max(), color, filled=False)
     at.set(xlim=(-1.2, 1.2), ylim=(-0.12, 1.2), aspect="equal")
     at.set_axis_off()
     at.set_title(f"f over its peak, light at {LIGHT:g}°", size=8.5, color=GREY, pad=0.0)
@@ -99,17 +99,17 @@ def save(figure, path: Path) -> Path:
 
 
 def _nearest(pixels, palette):
-    """Number in the `palette` (colours, 3) of the colour nearest to each of `pixels` (height, width, 3)."""
+    """Number in the `palette` (colors, 3) of the color nearest to each of `pixels` (height, width, 3)."""
     found, place = np.unique(pixels.reshape(-1, 3).astype(int), axis=0, return_inverse=True)
     number = ((found[:, None] - palette) ** 2).sum(axis=-1).argmin(axis=1)
     return number[place.ravel()].reshape(pixels.shape[:2]).astype(np.uint8)
 
 
 def _palette():
-    """Colours (GRAYS + TINTS for each of LINES, 3) of 0 to 255."""
+    """Colors (GRAYS + TINTS for each of LINES, 3) of 0 to 255."""
     from matplotlib.colors import to_rgb
 
     grays = np.linspace(0.0, 1.0, GRAYS)[:, None] * np.ones(3)
     share = np.linspace(1.0, 0.0, TINTS, endpoint=False)[:, None]
-    tints = [share * to_rgb(colour) + 1.0 - share for colour in LINES]
+    tints = [share * to_rgb(color) + 1.0 - share for color in LINES]
     return np.round(255.0 * np.concatenate([grays, *tints])).astype(int)

@@ -1,4 +1,4 @@
-"""Figure 7.38 of Real-Time Rendering, rendered: the original Phong highlight above, the normalised one below.
+"""Figure 7.38 of Real-Time Rendering, rendered: the original Phong highlight above, the normalized one below.
 
 Source: Akenine-Möller, Haines, Hoffman, "Real-Time Rendering", 3rd ed., 2008. Needs bpy, which is asked for only when
 the figure is drawn.
@@ -13,7 +13,7 @@ from .style import STYLE, captioned
 SET = ("phong",)
 RESOLUTION, SAMPLES = (880, 440), 64  # twice as wide as high
 GROUND = 0.82  # gray, so that the dark side of a sphere is seen against it
-ROWS = ("original, kₛ (R·L)ᵐ", "normalised, c (m+2)/(2π) (R·L)ᵐ")
+ROWS = ("original, kₛ (R·L)ᵐ", "normalized, c (m+2)/(2π) (R·L)ᵐ")
 
 
 def draw(name: str):
@@ -42,10 +42,10 @@ def _assemble(picture, row):
 
     side = picture.shape[0] // 2
     with matplotlib.rc_context(STYLE):
-        figure = captioned((9.6, 5.95), "Highlights of red plastic under a sun, not normalised and normalised", (
+        figure = captioned((9.6, 5.95), "Highlights of red plastic under a sun, not normalized and normalized", (
             f"After figure 7.38 of Real-Time Rendering: c = {row.SPECULAR:g}, a diffuse part of {row.DIFFUSE[0]:g} in "
             "red; kₛ is chosen so that the two leftmost spheres match.\n"
-            "One sun, one exposure. Normalised, the highlight grows brighter as it gets narrower; not normalised, its "
+            "One sun, one exposure. Normalized, the highlight grows brighter as it gets narrower; not normalized, its "
             "light is lost."))
         tiles = figure.subplots(2, len(row.EXPONENTS))
         for i, title in enumerate(ROWS):

@@ -1,4 +1,4 @@
-"""Makes the asset library: a .blend with the presets as materials and the models as nodes, and its catalogues.
+"""Makes the asset library: a .blend with the presets as materials and the models as nodes, and its catalogs.
 
 Blender reads files of its own and older versions, so the file that ships is to be made in the oldest one supported.
 """
@@ -13,7 +13,7 @@ from ...models import MODELS
 
 CATALOGUES = "blender_assets.cats.txt"
 _NODES = "Plausible/Nodes"
-_SPACE = uuid.UUID("6d3f7c0e-52a1-4f0b-9f0c-6b1de52a4f10")  # any one: catalogues keep their ids from build to build
+_SPACE = uuid.UUID("6d3f7c0e-52a1-4f0b-9f0c-6b1de52a4f10")  # any one: catalogs keep their ids from build to build
 
 
 def build(folder: Path = LIBRARY.parent, progress=lambda done, total: None) -> Path:
@@ -31,7 +31,7 @@ def build(folder: Path = LIBRARY.parent, progress=lambda done, total: None) -> P
     for key, preset in PRESETS.items():
         material = materials.create_material(preset.model, preset.label, **preset.parameters)
         tags = preset.group, MODELS[preset.model].label
-        _mark(material, preview(key), preset.help, _catalogue(preset), tags)
+        _mark(material, preview(key), preset.help, _catalog(preset), tags)
         made.add(material)
         progress(len(made), total)
     for model in shown:
@@ -40,7 +40,7 @@ def build(folder: Path = LIBRARY.parent, progress=lambda done, total: None) -> P
         made.add(tree)
         progress(len(made), total)
     folder.mkdir(parents=True, exist_ok=True)
-    _write_catalogues(folder / CATALOGUES)
+    _write_catalogs(folder / CATALOGUES)
     path = folder / LIBRARY.name
     with files.replacing(path) as beside:
         bpy.data.libraries.write(str(beside), made, compress=True)
@@ -53,21 +53,21 @@ def missing_previews() -> list:
     return [key for key in keys if not preview(key).is_file()]
 
 
-def _catalogue(preset):
+def _catalog(preset):
     return f"Plausible/{preset.group}"
 
 
-def identifier(catalogue: str) -> str:
-    """The UUID of a catalogue."""
-    return str(uuid.uuid5(_SPACE, catalogue))
+def identifier(catalog: str) -> str:
+    """The UUID of a catalog."""
+    return str(uuid.uuid5(_SPACE, catalog))
 
 
-def _mark(block, picture, description, catalogue, tags):
+def _mark(block, picture, description, catalog, tags):
     import bpy
 
     block.asset_mark()
     data = block.asset_data
-    data.description, data.catalog_id = description, identifier(catalogue)
+    data.description, data.catalog_id = description, identifier(catalog)
     data.author, data.license = "Plausible BRDF contributors", "GPL-3.0-or-later"
     for tag in tags:
         data.tags.new(tag, skip_if_exists=True)
@@ -78,8 +78,8 @@ def _mark(block, picture, description, catalogue, tags):
     bpy.data.images.remove(image)
 
 
-def _write_catalogues(path):
-    names = sorted({"Plausible", _NODES, *map(_catalogue, PRESETS.values())})
+def _write_catalogs(path):
+    names = sorted({"Plausible", _NODES, *map(_catalog, PRESETS.values())})
     lines = ["# Catalogues of the Plausible BRDF asset library.", "VERSION 1", ""]
     lines += [f"{identifier(name)}:{name}:{name.replace('/', '-')}" for name in names]
     files.replace_text(path, "\n".join(lines) + "\n")

@@ -17,7 +17,7 @@ from dataclasses import asdict
 import numpy as np
 
 from ..albedo import tables
-from ..closures import HOLE_EDGE, LEVELS, SLOTS
+from ..closures import NEGATIVE_EDGE, LEVELS, SLOTS
 from ..files import replace_text
 from ..workers import mapped
 from .closures import FAMILIES, FEATURES, GRAZING, Family, columns, view_of
@@ -27,7 +27,7 @@ FILE = "base_lobes.json"
 
 DRAWN = 0.6  # exponent of the lobe that kernels are sampled from, in parts of n: wider, as the residual is
 FAINTEST = 1e-3  # of that lobe's peak, added to it: far out on the lobe nothing is ever sampled
-HOLE = 0.4  # radius of the widest holes, which are kernels that take away, in parts of the lobe's width
+NEGATIVE_RADIUS = 0.4  # radius of the widest holes, which are kernels that take away, in parts of the lobe's width
 ABOVE, BELOW = 30.0, 1e4  # what more it counts to be above the target by more than holes take away, and below zero
 ROUNDS = 8
 
@@ -47,8 +47,8 @@ def fit_node(family: Family, u, v):
     # The kernels' variance is the integral of the squared residual over the density that they are sampled with.
     weight = share * (share @ drawn) / (drawn + FAINTEST * drawn.max())
     # What a hole takes away (see estimator.h) of a base as high as the target; a fifth of it, as its edge is blurred.
-    hole = np.minimum(HOLE * family.width(view[2], n), np.maximum(light[:, 2], 0.0) / HOLE_EDGE)
-    taken = 0.2 * np.pi * hole**2 * drawn * whole
+    radius = np.minimum(NEGATIVE_RADIUS * family.width(view[2], n), np.maximum(light[:, 2], 0.0) / NEGATIVE_EDGE)
+    taken = 0.2 * np.pi * radius**2 * drawn * whole
     weights, goals = np.tile(weight, (len(GAINS), 1)), goal
     for _ in range(ROUNDS):
         coefficients = _solve(family, features, goals, closures, weights, share)
@@ -122,7 +122,7 @@ def fit(workers=None):
 def _document(found):
     return {
         "about": "Cycles' closures near each target, by least squares, of plausible bake --base-lobes",
-        "drawn": DRAWN, "hole": HOLE, "grazing": GRAZING, "features": FEATURES,
+        "drawn": DRAWN, "hole": NEGATIVE_RADIUS, "grazing": GRAZING, "features": FEATURES,
         "families": {
             name: {
                 "ramps": [asdict(r) for r in family.ramps], "facets": [asdict(f) for f in family.facets],
