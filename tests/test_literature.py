@@ -16,6 +16,7 @@ from truth.literature import by_hand
 from truth.quadrature import view_at
 
 from addon.brdf import MODELS
+from addon.forms.albedo.tabulated import TABULATED
 from addon.models import samplers
 from addon.models.formula_model import FormulaModel
 from addon.models.pumped_model import PumpedModel, pumped
@@ -148,11 +149,12 @@ def test_lobes_of_no_light_and_of_too_much_are_numbers():
 
 
 def test_the_one_mechanism_pumps_as_tables_do():
-    """Blinn's lobe through tables and through albedos of the moment."""
+    """Blinn's lobe through tables, through their integrals, and through those that any formula is pumped by."""
     mu = np.cos(np.radians([0.0, 40.0, 70.0, 85.0]))
     for given in ({"pumps": 1.0, "control": False}, {"pumps": 2.5, "control": True}):
-        tables = MODELS["pumped_blinn"].albedo(mu, exponent=20.0, **given)
-        np.testing.assert_allclose(MODELS["pumped_blinn_fresnel"].albedo(mu, exponent=20.0, **given), tables, rtol=2e-3)
+        own = MODELS["pumped_blinn_fresnel"].albedo(mu, exponent=20.0, **given)
+        for model in (MODELS["pumped_blinn"], MODELS["pumped_blinn"].with_albedos(TABULATED)):
+            np.testing.assert_allclose(own, model.albedo(mu, exponent=20.0, **given), rtol=2e-3)
 
 
 def test_only_symmetric_formulas_are_pumped():

@@ -13,13 +13,13 @@ from .quadrature import polar_energy
 
 STAGES = pumping.MAX_PUMPS
 _FEWEST, _PER_FOLD = 120, 34  # nodes of a curve at least, and for each time that the angle grows e-fold
-_IN_A_PIECE = 14  # nodes of a piece at least
+_IN_A_PIECE = 14  # nodes of a piece at least, unless it is shorter than the distance of nodes
 # Nodes of the integrals that curves are made of, and of the passes that look for kinks.
 _FINE = {"polar": 16, "azimuthal": 48}
 _PASSES = {"polar": 6, "azimuthal": 20}, {"polar": 12, "azimuthal": 30}
-_BETWEEN = 16  # places from a node to the next that they look at
-_APART = 1e-4  # coordinate: kinks at least
-_AGREEMENT = 1e-5  # relative: sides of control that are as near as this are equal
+_BETWEEN = 16  # places from a node to the next at which kinks are looked for
+_APART = 1e-4  # distance of kinks, in the coordinate of the angle, below which they are one
+_AGREEMENT = 1e-5  # relative difference of two sides of control that counts as none
 
 
 class Angles:
@@ -105,7 +105,8 @@ def albedos(lobe, exponent: float, cos_theta, control: bool, polar: int = 16, az
 def _angles(lobe, exponent, control):
     """The angles of an exponent's curves, and the cosines of their kinks.
 
-    Control puts kinks into D whose place only the albedos tell: a first pass finds them.
+    Control puts kinks into D whose place only the albedos tell. A first pass finds them roughly, as its curves run
+    across the kinks of the stage before; a second, with pieces that end there, finds them to about 1e-5.
     """
     angles = Angles(exponent, lobe.kinks)
     if not control:

@@ -121,7 +121,7 @@ class Osl:
         return all(row_cache.holds(row_cache.key(model, values, what, ranges)) for what in ("shader", "error"))
 
     def install(self, group, model, program, inputs):
-        """See `Backend`. The sockets are made here, as each version of Blender makes a Script node's sockets differently."""
+        """See `Backend`. The sockets are made here, as versions of Blender make a Script node's sockets differently."""
         script = group.nodes.new(SCRIPT)
         script.label, script.width, script.location = model.label, 220.0, (0.0, 300.0)
         # A socket for each parameter, linked to the group's socket where there is one.
@@ -325,7 +325,7 @@ def spans_of(group) -> dict:
 
 @bpy.app.handlers.persistent
 def on_load(*_):
-    """Clear the bytecode hash of Script nodes without bytecode in a loaded file: Blender would crash on rendering them."""
+    """Clear the hash of Script nodes that have no bytecode, in a loaded file: rendering them would crash Blender."""
     for group in bpy.data.node_groups:
         for node in group.nodes if MODEL_KEY in group and group.is_editable else ():
             if node.bl_idname == SCRIPT and node.bytecode_hash and not node.bytecode:

@@ -1,1 +1,1 @@
-"""Materials of ours: the node, its sockets and program, and what becomes of them in a working life."""
+"""Plausible materials: their node, its sockets and program, and edits, bakes, upgrades and repairs of them."""

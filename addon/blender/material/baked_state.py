@@ -1,4 +1,4 @@
-"""The values that a node's program was made for, and whether the node still holds them."""
+"""The values that a node's program was made for, and their comparison with the node's present values."""
 import json
 
 from ...forms.rows import error as rows_error
@@ -12,42 +12,44 @@ from .groups import model_of
 from .replace import replace_node
 from .sockets import by_id, values
 
-BAKED_KEY = "plausible_baked"  # of a group: the values that its OSL program was made for, as JSON; see `key_of`
-ERROR_KEY = "plausible_baked_error"  # of its rows: largest errors of the lobe and of the albedo up to 80 degrees
+# Custom property of a group: the values that its OSL program was made for, as JSON; see `key_of`.
+BAKED_KEY = "plausible_baked"
+# Custom property of a group: the largest relative errors of its lobe rows up to 80 degrees, (of the lobe, of the albedo).
+ERROR_KEY = "plausible_baked_error"
 
 
 def key_of(backend) -> str:
-    """The custom property of a group for the values that the program of a backend was made for."""
+    """The name of a group's custom property with the values that the backend's program was made for."""
     return BAKED_KEY if backend == backends.DEFAULT else f"{BAKED_KEY}_{backend.id}"
 
 
 def is_stale(node) -> bool:
-    """Whether a node's program was made for other values than its sockets hold, or for an image that changed since.
+    """Whether a node's program was made for other values than its sockets have, or for an older state of an image.
 
-    An image that is gone has not changed: the program is all that is left of it.
+    A missing image counts as unchanged, as the program is the only copy of it.
     """
     if groups.backend_of(node).follows_sockets(model_of(node)):
         return False
-    *then, files = _baked_for(node.node_tree, groups.backend_of(node))
-    *now, files_now = _read_note(_note(node, driven.ranges(node)))
-    return then != now or any(files.get(name, stamp) != stamp for name, stamp in files_now.items() if stamp)
+    *then, stamps = _baked_for(node.node_tree, groups.backend_of(node))
+    *now, stamps_now = _from_json(_to_json(node, driven.ranges(node)))
+    return then != now or any(stamps.get(name, stamp) != stamp for name, stamp in stamps_now.items() if stamp)
 
 
 def baked_error(node):
-    """Largest errors (of the lobe, of the albedo) of a node's rows up to 80 degrees; None where none are known."""
+    """Largest relative errors (of the lobe, of the albedo) of a node's lobe rows up to 80 degrees; None if unknown."""
     return pair_of(node.node_tree.get(ERROR_KEY))
 
 
 def target(node) -> tuple:
-    """(values of parameters that are not driven, ranges of the driven): what a node's program ought to be made for."""
+    """({id: value} of the other parameters, {id: (least, most)} of the driven ones) that a node's program has to fit."""
     ranges = driven.ranges(node)
     return {name: value for name, value in values(node).items() if name not in ranges}, ranges
 
 
 def bake(node, error: tuple | None = None):
-    """Make a node's program anew for the values of its sockets, and over ranges of the driven ones.
+    """Make a node's program anew, for the values of its sockets and over the ranges of the driven parameters.
 
-    `error` is that of its rows if it is known. Raises as `create_material`.
+    `error` is the error of its lobe rows, see `baked_error`; None measures it. Raises as `create_material`.
     """
     ranges = driven.ranges(node)
     groups.load(node, values(node), ranges)
@@ -55,35 +57,36 @@ def bake(node, error: tuple | None = None):
 
 
 def record(node, error: tuple | None = None, ranges: dict | None = None):
-    """Record the values that a node's program was made for, with its `ranges`, and bring the fallback up to date.
+    """Record the values and `ranges` that the node's program was made for and the error of its rows; update the fallback.
 
-    The rows' error is measured where `error` does not give it. Nothing is done where the program follows the sockets.
+    Measures the error if `error` is None. Does nothing where the program follows the sockets.
     """
     model, backend = model_of(node), groups.backend_of(node)
     if backend.follows_sockets(model):
         return
     group, ranges = node.node_tree, ranges or {}
-    group[key_of(backend)] = _note(node, ranges)
-    _keep_drivers_ranges(node, ranges)
+    group[key_of(backend)] = _to_json(node, ranges)
+    _store_drivers_ranges(node, ranges)
     if backend == backends.FALLBACK:
         return
-    given = values(node)
-    group[ERROR_KEY] = row_cache.fetch(row_cache.key(model, given, "error", ranges),
-                                   lambda: error or rows_error.largest(model, given, ranges))
+    # The error of OSL's lobe rows: from the cache, from the caller, or measured.
+    current = values(node)
+    group[ERROR_KEY] = row_cache.fetch(row_cache.key(model, current, "error", ranges),
+                                       lambda: error or rows_error.largest(model, current, ranges))
     update_fallback(node)
 
 
-def _keep_drivers_ranges(node, ranges):
-    """A driver's socket has another value at every frame: the range about the first one stays."""
+def _store_drivers_ranges(node, ranges):
+    """Store the ranges of parameters with drivers, whose usual range would change with the value at every frame."""
     paths = {curve.data_path for curve in curves(node.id_data) if curve.driver}
-    held = by_id(node)
-    kept = {name: each for name, each in ranges.items() if path_of(held[name]) in paths}
-    if kept:
-        keep_ranges(node.node_tree, kept)
+    sockets = by_id(node)
+    with_drivers = {name: pair for name, pair in ranges.items() if path_of(sockets[name]) in paths}
+    if with_drivers:
+        keep_ranges(node.node_tree, with_drivers)
 
 
 def update_fallback(node):
-    """Fit the fallback to a node's values; where it cannot be fitted it stays as it was."""
+    """Fit the fallback to a node's values. It stays as it is if the fit fails."""
     try:
         backends.FALLBACK.update(node.node_tree, backends.FALLBACK.program(model_of(node), values(node)))
     except ValueError as error:  # an image that cannot be read
@@ -91,10 +94,10 @@ def update_fallback(node):
 
 
 def take_over(old, before: dict, model, given: dict):
-    """Put a node of `model` in the place of `old`, whose sockets by parameter id are `before`; returns it.
+    """Replace the node `old`, whose sockets by parameter id are `before`, by a node of `model`. Returns the new node.
 
-    Its program is made for the values `given`; where something goes on to drive it, which takes ranges and longer, it
-    is blank until it is baked. Raises as `Backend.program`.
+    Its program is made for the values `given`. Where links, drivers or keyframes drive a parameter, baking over ranges
+    would take too long here: the program is blank until it is baked. Raises as `Backend.program`.
     """
     backend = backends.of_group(old.node_tree)
     if driven_among(model, backend, before, old.id_data):
@@ -106,23 +109,24 @@ def take_over(old, before: dict, model, given: dict):
 
 
 def _baked_for(group, backend):
-    """(values, ranges, stamps of files by parameter) that a group's program was made for; (None, {}, {}) if unknown."""
+    """(values, ranges, file stamps), by parameter id, of a group's program; (None, {}, {}) if unknown."""
     try:
-        return _read_note(text_of(group, key_of(backend)))
-    except (TypeError, ValueError):  # nothing is written there, or by hand
+        return _from_json(text_of(group, key_of(backend)))
+    except (TypeError, ValueError):  # the property is missing, or edited by hand
         return None, {}, {}
 
 
-def _note(node, ranges):
-    """A JSON text of values that are not driven, of stamps of files, and of ranges."""
-    given = {name: value for name, value in values(node).items() if name not in ranges}
-    stamps = {p.id: p.stamp(given[p.id]) for p in model_of(node).parameters if p.kind == "image"}
-    return json.dumps([given, stamps, ranges])
+def _to_json(node, ranges):
+    """JSON of [values of parameters that are not driven, file stamps, ranges], each by parameter id."""
+    fixed = {name: value for name, value in values(node).items() if name not in ranges}
+    stamps = {p.id: p.stamp(fixed[p.id]) for p in model_of(node).parameters if p.kind == "image"}
+    return json.dumps([fixed, stamps, ranges])
 
 
-def _read_note(text):
-    """(values, ranges, stamps) of `_note`; files of older versions know no ranges. Raises TypeError, ValueError."""
-    given, stamps, ranges = [*json.loads(text), {}][:3]
+def _from_json(text):
+    """(values, ranges, file stamps) from the text of `_to_json`. Raises TypeError, ValueError for any other text."""
+    # Older versions wrote no ranges.
+    fixed, stamps, ranges = [*json.loads(text), {}][:3]
     if not isinstance(stamps, dict) or not isinstance(ranges, dict):
         raise ValueError(text)
-    return given, ranges, stamps
+    return fixed, ranges, stamps

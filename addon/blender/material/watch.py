@@ -1,15 +1,15 @@
-"""Follows edits that the panel does not make: in the node editor, by a script, by undo."""
+"""Reacts to edits outside the panel: in the node editor, by a script, by undo."""
 import bpy
 
 from . import groups, materials, row_jobs
 
-_changed = set()  # names of materials to look at
+_changed = set()  # full names of materials whose nodes have changed since the last look
 
 
 @bpy.app.handlers.persistent
 def on_update(scene, depsgraph):
-    """Note materials whose nodes have changed; they are looked at when Blender is idle, as this must not edit them."""
-    if bpy.app.background or not depsgraph.id_type_updated("MATERIAL"):  # timers do not run in the background
+    """Collect changed materials. A timer updates them, as a handler of the depsgraph must not edit data."""
+    if bpy.app.background or not depsgraph.id_type_updated("MATERIAL"):  # timers do not run in background mode
         return
     _changed.update(update.id.name_full for update in depsgraph.updates if isinstance(update.id, bpy.types.Material))
     if _changed and not bpy.app.timers.is_registered(_look):
@@ -17,6 +17,7 @@ def on_update(scene, depsgraph):
 
 
 def _look():
+    """Update the viewport look of the changed materials, and bake their lobe rows where stale."""
     names = set(_changed)
     _changed.clear()
     for material in bpy.data.materials:
@@ -28,12 +29,12 @@ def _look():
 
 
 def start():
-    """Begin to watch."""
+    """Start watching."""
     bpy.app.handlers.depsgraph_update_post.append(on_update)
 
 
 def stop():
-    """Watch no longer, and forget what has changed."""
+    """Stop watching, and drop the collected materials."""
     if on_update in bpy.app.handlers.depsgraph_update_post:
         bpy.app.handlers.depsgraph_update_post.remove(on_update)
     _changed.clear()

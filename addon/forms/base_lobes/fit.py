@@ -17,7 +17,7 @@ from dataclasses import asdict
 import numpy as np
 
 from ..albedo import tables
-from ..closures import NEGATIVE_EDGE, LEVELS, SLOTS
+from ..closures import LEVELS, NEGATIVE_EDGE, SLOTS
 from ..files import replace_text
 from ..workers import mapped
 from .closures import FAMILIES, FEATURES, GRAZING, Family, columns, view_of
