@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from truth import quadrature
 
+from addon import resources
 from addon.brdf import MODELS, TableError
 from addon.forms.albedo import tables
 from addon.forms.albedo.tables import TABLES
@@ -71,7 +72,7 @@ def test_models_know_no_tables():
 def test_pumping_is_written_once():
     """D is made and stages are integrated in pumping.py alone; all others call what takes albedos as a function."""
     users = {"correction": set(), "correction_at": set(), "stage_albedos": set()}
-    for path in Path(tables.__file__).parents[1].rglob("*.py"):
+    for path in resources.PACKAGE.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             if isinstance(node, ast.Attribute) and ast.unparse(node.value) == "pumping" and node.attr in users:
                 users[node.attr].add(path.stem)

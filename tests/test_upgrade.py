@@ -3,6 +3,11 @@
 tests/data/version_0_1.blend was saved in Blender 4.2 with version 0.1.0: its shaders' bytecode is replaced by a line of
 text. "Animated" is a pumped Phong with a keyframed light spread, a driver on its pumps and a node plugged into its
 roughness, "Baked" a Ward, "Wrapped" a disk lump, and "Mine" a user's node group with a Blinn inside.
+
+tests/data/version_0_2.blend was saved in Blender 4.2 with version 0.2.0, bytecode replaced likewise. "Live" is a pumped
+Phong with keyframed pumps and a node plugged into its color, "Twin" another that shares its group, "Lump" a disk lump,
+"Baked" a Ward, "Driven" a Blinn-Phong whose exponent a node drives over a range, "Picture" an NDF map, and "Native" and
+"Native Baked" show their stand-ins, plugged in where the BSDF was.
 """
 from pathlib import Path
 
@@ -15,6 +20,7 @@ from addon.version import VERSION, parts
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
 OLD = Path(__file__).parent / "data" / "version_0_1.blend"
+OLDER_GROUPS = Path(__file__).parent / "data" / "version_0_2.blend"
 
 
 @pytest.fixture
@@ -166,3 +172,60 @@ def test_a_newer_version_is_told(bpy):
     node.node_tree[groups.VERSION_KEY] = "99.0.0"
     assert not upgrade.is_outdated(node) and upgrade.upgrade_all() == ""
     assert "Made by version 99.0.0" in " ".join(n.text for n in notices.notices(context_for(bpy, material), node))
+
+
+# Version 0.2: groups that only OSL rendered
+
+@pytest.fixture
+def groups_loaded(bpy):
+    bpy.ops.wm.open_mainfile(filepath=str(OLDER_GROUPS))
+    yield bpy
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+
+
+def test_groups_keep_values_links_and_keyframes(groups_loaded):
+    from addon.blender import backend
+    from addon.blender.material import groups, sockets, upgrade
+
+    assert not upgrade.outdated()
+    live, twin = node_in(groups_loaded, "Live"), node_in(groups_loaded, "Twin")
+    held = sockets.by_id(live)
+    assert sockets.values(live)["exponent"] == 50.0 and held["samples"].default_value == 7
+    assert held["base_color"].links[0].from_node.name == "Painter"
+    assert sockets.values(twin)["exponent"] == 12.0 and live.node_tree == twin.node_tree
+    thing = groups_loaded.data.objects.new("thing", groups_loaded.data.meshes.new("thing"))
+    thing.data.materials.append(groups_loaded.data.materials["Live"])
+    groups_loaded.context.scene.collection.objects.link(thing)
+    for frame, pumps in ((1, 0.5), (11, 2.5)):
+        groups_loaded.context.scene.frame_set(frame)
+        assert held["pumps"].default_value == pytest.approx(pumps)
+    for name in ("Live", "Lump", "Baked", "Driven", "Picture"):
+        node = node_in(groups_loaded, name)
+        assert groups.backend_of(node) == backend.DEFAULT and not groups.lacking(node.node_tree)
+
+
+def test_rows_of_version_0_2_go_on(groups_loaded):
+    """A bake takes seconds: a node renders by the program that it had, for the values that it was made for."""
+    from addon.blender.backend import osl
+    from addon.blender.material import baked_state, driven, sockets
+
+    for name, model in (("Baked", "ward"), ("Driven", "blinn_fresnel"), ("Picture", "ndf_map")):
+        node = node_in(groups_loaded, name)
+        assert f"an older version's shader of {model}" in osl.script_of(node).bytecode
+        assert baked_state.baked_error(node) is not None
+    assert driven.ranges(node_in(groups_loaded, "Driven")) == {"exponent": (10.0, 40.0)}
+    assert not any(baked_state.is_stale(node_in(groups_loaded, name)) for name in ("Baked", "Driven"))
+    assert sockets.values(node_in(groups_loaded, "Picture"))["image"] == "/nowhere/star.exr"
+
+
+@pytest.mark.parametrize("name", ["Native", "Native Baked"])
+def test_a_stand_in_that_was_plugged_in_is_a_backend_now(groups_loaded, name):
+    from addon.blender import backend
+    from addon.blender.material import baked_state, groups
+
+    material, node = groups_loaded.data.materials[name], node_in(groups_loaded, name)
+    assert groups.backend_of(node) == backend.FALLBACK and not baked_state.is_stale(node)
+    (link,) = material.node_tree.get_output_node("CYCLES").inputs["Surface"].links
+    assert link.from_node == node and link.from_socket.name == "BSDF"
+    log = drawn(context_for(groups_loaded, material, osl=False))
+    assert "native approximation" in texts(log) and "plausible.switch_native" in operators(log)

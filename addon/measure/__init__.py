@@ -1,6 +1,7 @@
-"""Renders in Blender, headless, held against the formulas of `brdf`: furnace, goniometer, lit sphere.
+"""Measures materials by rendering in Blender without a window: furnace, goniometer, lit sphere.
 
-bpy is loaded when a measurement starts, so the room can be imported anywhere.
+`compare` tests a measurement against a formula of `brdf`. A measurement loads bpy when it starts, so this package can
+be imported anywhere.
 """
 from .comparison import Comparison, compare
 from .instruments import (

@@ -1,4 +1,4 @@
-"""A measurement against what it should be, and the verdict."""
+"""Compares a measurement with a reference and gives the verdict."""
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,14 +7,14 @@ from ..models.channels import rgb
 from ..models.errors import ArgumentError, BrdfError
 
 OK, FAILED, NOISY = "ok", "FAILED", "noisy"
-SIGMAS = 5.0  # of the standard error: one sound row in two million lies beyond
+SIGMAS = 5.0  # allowed error in standard errors: one correct row in two million lies beyond
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Rows of RGB: `measured`, its standard error `noise`, and `reference` (all (N, 3)).
+    """Rows of RGB: `measured`, its standard error `noise`, and `reference`, all (N, 3).
 
-    `tolerance` is the systematic error that is allowed on top of SIGMAS times the noise, in the unit of the values.
+    `tolerance` is the systematic error allowed on top of SIGMAS times the noise, in the unit of the values.
     """
 
     measured: np.ndarray
@@ -29,28 +29,31 @@ class Comparison:
 
     @property
     def largest(self) -> float:
-        """The largest error in size."""
+        """The largest absolute error."""
         return float(np.abs(self.error).max())
 
     def verdicts(self) -> list:
-        """A word a row: FAILED beyond the allowance (or not a number), NOISY where noise hides an error of twice
-        the tolerance, else OK."""
+        """The verdict of each row, N words.
+
+        FAILED where a channel's error exceeds `tolerance` + SIGMAS `noise` or is NaN, NOISY where the noise could hide
+        an error of twice the tolerance, else OK.
+        """
         allowed = self.tolerance + SIGMAS * self.noise
-        good = (np.abs(self.error) <= allowed).all(axis=1)  # NaN is not good
+        good = (np.abs(self.error) <= allowed).all(axis=1)  # False for NaN
         sharp = (allowed <= 3.0 * self.tolerance).all(axis=1)
         return [(OK if s else NOISY) if g else FAILED for g, s in zip(good, sharp, strict=True)]
 
     @property
     def verdict(self) -> str:
-        """The worst of the rows' verdicts."""
+        """The worst verdict of all rows."""
         words = self.verdicts()
         return next(word for word in (FAILED, NOISY, OK) if word in words)
 
 
 def compare(measured, reference, noise, tolerance: float) -> Comparison:
-    """Comparison of `measured` and its standard error `noise` (N, 3) with `reference` (N,) or (N, 3).
+    """Compares `measured` (N, 3), with its standard error `noise` (N, 3), with `reference` (N,) or (N, 3).
 
-    Raises ValueError when the shapes differ or `tolerance` is not a positive number.
+    Raises ValueError where the shapes differ or `tolerance` is not a positive number.
     """
     measured = np.atleast_2d(np.asarray(measured, dtype=np.float64))
     reference = rgb(reference)

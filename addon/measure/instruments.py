@@ -1,8 +1,8 @@
-"""Furnace, goniometer and lit sphere: what a material does in Cycles, in numbers.
+"""Furnace, goniometer and lit sphere: they measure a material's reflectance in Cycles.
 
-The furnace and the goniometer look at a plane through an orthographic camera, so that every pixel has the same view
-direction and the pixels are independent measurements of one number: their mean is the result and their scatter its
-standard error. The sphere shows many directions at once, the way a picture does.
+The furnace and the goniometer see a plane through an orthographic camera. Every pixel then has the same view direction,
+and the pixels are independent measurements of one number: their mean is the result, their scatter its standard error.
+The sphere shows many directions at once, as a picture does.
 """
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ from ..models.errors import ArgumentError
 from ..models.geometry import directions, dot, normalize
 from . import scene
 
-MAX_ANGLE = 89.0  # degrees; beyond, the plane is seen nearly edge on
+MAX_ANGLE = 89.0  # degrees; beyond it the camera sees the plane nearly edge on
 
 
 class Measurement(NamedTuple):
@@ -24,10 +24,11 @@ class Measurement(NamedTuple):
 
 
 class Sphere(NamedTuple):
-    """A picture of a sphere: `image` (H, W, 3) radiance, row 0 at the bottom, and what each pixel's center sees.
+    """A picture of a sphere, with the surface point at each pixel's center.
 
-    `covered` (H, W) tells the pixels that see the sphere, `normal` (H, W, 3) is N there and NaN elsewhere; all of them
-    see along the same `view` (3,). The camera's right and up are +x and +y.
+    `image` (H, W, 3) is radiance, row 0 at the bottom. `covered` (H, W) is True for the pixels that see the sphere.
+    `normal` (H, W, 3) is N at these pixels and NaN elsewhere. All pixels have the same `view` (3,). The camera's right
+    and up are +x and +y.
     """
 
     image: np.ndarray
@@ -37,7 +38,10 @@ class Sphere(NamedTuple):
 
 
 class LitDirections(NamedTuple):
-    """View and light of the P `covered` pixels of a sphere, in each pixel's own local frame (+z is its normal)."""
+    """View and light (P, 3) at the P pixels of a sphere where `covered` (H, W) is True.
+
+    Each row is in its pixel's local frame: +z is the normal.
+    """
 
     covered: np.ndarray
     view: np.ndarray
@@ -45,6 +49,7 @@ class LitDirections(NamedTuple):
 
 
 def _angles(name, degrees):
+    """Checks angles (N,) in degrees, 0 to MAX_ANGLE. Raises ArgumentError that names the parameter `name`."""
     angles = np.atleast_1d(np.asarray(degrees, dtype=np.float64))
     if angles.ndim != 1 or not len(angles) or not np.all((angles >= 0.0) & (angles <= MAX_ANGLE)):
         raise ArgumentError(name, "range", f"expected angles from 0 to {MAX_ANGLE:g} degrees, got {degrees}")
@@ -52,6 +57,7 @@ def _angles(name, degrees):
 
 
 def _from_zenith(degrees):
+    """Unit vector (3,) in the x-z plane, `degrees` from +z towards +x."""
     angle = np.radians(degrees)
     return np.array([np.sin(angle), 0.0, np.cos(angle)])
 
@@ -63,23 +69,23 @@ def _statistics(pixels):
 
 
 def _ignore(done, total):
-    """No progress report."""
+    """Reports no progress."""
 
 
 def furnace(material, angles_deg, samples=256, resolution=16, seed=0, progress=_ignore) -> Measurement:
-    """Albedo of `material` seen at `angles_deg` (N,) degrees from the normal, 0..89, under a white sky.
+    """Albedo of `material` at the view angles `angles_deg` (N,), 0..89 degrees from the normal, under a white sky.
 
-    `samples` per pixel, `resolution` pixels across; `progress(done, total)` is called after each render.
-    Returns mean and standard error, (N, 3) each. Raises ValueError for an angle out of range, MeasureError (a
-    ValueError) where Blender or what the material's backend needs is missing.
+    Renders `samples` per pixel, `resolution` pixels across, and calls `progress(done, total)` after each render.
+    Returns the mean and the standard error, (N, 3) each. Raises ValueError for an angle out of range, and MeasureError
+    (a ValueError) where Blender is missing or cannot run the material's backend.
     """
     angles = _angles("angles_deg", angles_deg)
     rows = []
-    with scene.MeasuringScene(material, scene.PLANE, resolution) as place:
-        place.sky(1.0)
+    with scene.MeasuringScene(material, scene.PLANE, resolution) as stage:
+        stage.sky(1.0)
         for angle in angles:
-            place.look_from(_from_zenith(angle))
-            rows.append(_statistics(place.render(samples, seed)))
+            stage.look_from(_from_zenith(angle))
+            rows.append(_statistics(stage.render(samples, seed)))
             progress(len(rows), len(angles))
     return Measurement(*map(np.array, zip(*rows, strict=True)))
 
@@ -87,8 +93,8 @@ def furnace(material, angles_deg, samples=256, resolution=16, seed=0, progress=_
 def goniometer(material, view_deg, lights, samples=16, resolution=16, seed=0, progress=_ignore) -> Measurement:
     """f(V, L) of `material` in 1/sr, measured under a sun of no size.
 
-    V lies in the x-z plane, `view_deg` degrees from the normal towards +x, 0..89. `lights` are unit vectors (N, 3)
-    above the horizon, +z being the normal. Returns f and its standard error, (N, 3) each. Raises as `furnace`.
+    V lies in the x-z plane, `view_deg` degrees (0..89) from the normal +z towards +x. `lights` are unit vectors (N, 3)
+    above the horizon. Returns f and its standard error, (N, 3) each. Raises as `furnace`.
     """
     angle = _angles("view_deg", view_deg)
     if len(angle) != 1:
@@ -97,42 +103,48 @@ def goniometer(material, view_deg, lights, samples=16, resolution=16, seed=0, pr
     if not len(lights) or lights[:, 2].min() <= 0.0:
         raise ArgumentError("lights", "range", "every light must be above the horizon")
     rows = []
-    with scene.MeasuringScene(material, scene.PLANE, resolution) as place:
-        place.look_from(_from_zenith(angle[0]))
-        sun = place.shine("SUN", lights[0], energy=scene.SUN_ENERGY, angle=0.0)
+    with scene.MeasuringScene(material, scene.PLANE, resolution) as stage:
+        stage.look_from(_from_zenith(angle[0]))
+        sun = stage.shine("SUN", lights[0], energy=scene.SUN_ENERGY, angle=0.0)
         for light in lights:
-            place.aim(sun, light)
-            rows.append(_statistics(place.render(samples, seed)))
+            stage.aim(sun, light)
+            rows.append(_statistics(stage.render(samples, seed)))
             progress(len(rows), len(lights))
+    # A plane under a sun shows radiance f times the irradiance on the plane.
     radiance, noise = map(np.array, zip(*rows, strict=True))
     irradiance = scene.SUN_ENERGY * lights[:, 2:]
     return Measurement(radiance / irradiance, noise / irradiance)
 
 
 def in_plane(angles_deg) -> np.ndarray:
-    """Lights in the plane of incidence, `angles_deg` (N,) from the normal to the mirror's side (-x): (N, 3)."""
+    """Unit lights (N, 3) in the plane of incidence, `angles_deg` (N,) from the normal to the mirror's side (-x)."""
     return geometry.in_plane(-np.asarray(angles_deg, dtype=np.float64))
 
 
 def across_lobe(view_deg: float, angles_deg) -> np.ndarray:
-    """Lights off the plane of incidence, `angles_deg` (N,) from the mirror direction towards +y: (N, 3)."""
+    """Unit lights (N, 3) off the plane of incidence, `angles_deg` (N,) from the mirror direction towards +y.
+
+    `view_deg` is the view's angle from the normal.
+    """
     angles = np.radians(np.asarray(angles_deg, dtype=np.float64))[:, None]
     return np.cos(angles) * in_plane([view_deg]) + np.sin(angles) * [0.0, 1.0, 0.0]
 
 
 def sphere(material, lamps=(), sky=0.0, image=None, samples=64, resolution=128, seed=0) -> Sphere:
-    """Picture of a sphere of radius 1 at the origin, seen from +z; a pixel sees its center only.
+    """Renders a sphere of radius 1 at the origin, seen from +z. A pixel sees its center only.
 
-    `lamps`: (kind, direction, settings) each, as `MeasuringScene.shine` takes them, e.g. ("SUN", (0, 0, 1), {"energy":
-    3.14, "angle": 0.0}). `sky` is radiance from everywhere, or scales the equirectangular HDRI file `image`.
+    `lamps` are (kind, direction, settings), the arguments of `MeasuringScene.shine`, e.g. ("SUN", (0, 0, 1), {"energy":
+    3.14, "angle": 0.0}). `sky` is the radiance from everywhere, or the factor of the equirectangular HDRI file `image`.
+    Raises MeasureError where Blender is missing or cannot run the material's backend.
     """
-    with scene.MeasuringScene(material, scene.BALL, resolution, exact_pixels=True) as place:
-        place.sky(1.0 if image is not None and np.max(sky) == 0.0 else sky, image)
+    with scene.MeasuringScene(material, scene.BALL, resolution, exact_pixels=True) as stage:
+        stage.sky(1.0 if image is not None and np.max(sky) == 0.0 else sky, image)
         for kind, direction, settings in lamps:
-            place.shine(kind, direction, **settings)
+            stage.shine(kind, direction, **settings)
         width = 2.0 * (1.0 + 1.0 / resolution)
-        place.look_from((0.0, 0.0, 1.0), width)
-        picture = place.render(samples, seed)
+        stage.look_from((0.0, 0.0, 1.0), width)
+        picture = stage.render(samples, seed)
+    # The normal of a unit sphere is its position: x and y are the pixel's, z follows.
     centers = width * ((np.arange(resolution) + 0.5) / resolution - 0.5)
     x, y = np.meshgrid(centers, centers)
     squared = 1.0 - x * x - y * y
@@ -145,11 +157,12 @@ def sphere(material, lamps=(), sky=0.0, image=None, samples=64, resolution=128, 
 def local_directions(picture: Sphere, light, margin: float = 0.0) -> LitDirections:
     """V and L of the pixels with N·V > `margin`, in frames with +z along N and V in the x-z plane.
 
-    `light` is the unit vector (3,) to the light. The rim is where a tessellated sphere is least like a round one:
-    `margin` = 0.05 leaves it out.
+    `light` is the unit vector (3,) to the light. At the rim a tessellated sphere differs most from a round one:
+    `margin` = 0.05 leaves the rim out.
     """
     with np.errstate(invalid="ignore"):
         covered = picture.covered & (picture.normal @ picture.view > margin)
+    # The tangent is the view's part in the surface; any direction serves where the view is the normal.
     normal = picture.normal[covered]
     across = picture.view - dot(normal, picture.view)[:, None] * normal
     tangent = normalize(np.where(np.linalg.norm(across, axis=1, keepdims=True) > 1e-12, across, [1.0, 0.0, 0.0]))
@@ -162,9 +175,9 @@ def local_directions(picture: Sphere, light, margin: float = 0.0) -> LitDirectio
 
 
 def sphere_sun(material, sun_angle_deg, samples=64, resolution=128, seed=0, margin=0.05):
-    """Picture of a sphere under a sun of no size, `sun_angle_deg` (-180..180) from the camera's axis towards +x.
+    """Renders a sphere under a sun of no size, `sun_angle_deg` (-180..180) from the camera's axis towards +x.
 
-    Returns (image (H, W, 3), LitDirections). The sun's irradiance is pi, so a pixel shows pi f(V, L) (N·L).
+    Returns (image (H, W, 3), LitDirections). The sun's irradiance is pi W/m², so a pixel shows pi f(V, L) (N·L).
     """
     direction = _from_zenith(float(sun_angle_deg))
     lamp = ("SUN", direction, {"energy": scene.SUN_ENERGY, "angle": 0.0})
@@ -173,9 +186,9 @@ def sphere_sun(material, sun_angle_deg, samples=64, resolution=128, seed=0, marg
 
 
 def sphere_reference(evaluate, lit: LitDirections) -> np.ndarray:
-    """What `sphere_sun` should show for the BRDF `evaluate(view, light) -> (P,) or (P, 3)` in 1/sr: (H, W, 3).
+    """The formula's picture (H, W, 3) for `sphere_sun`: pi f(V, L) (N·L), and 0 outside `lit.covered`.
 
-    0 outside `lit.covered`.
+    `evaluate(view, light)` is the BRDF f in 1/sr, (P,) or (P, 3).
     """
     value = np.asarray(evaluate(lit.view, lit.light), dtype=np.float64).reshape(len(lit.view), -1)
     image = np.zeros(lit.covered.shape + (3,))
@@ -184,18 +197,25 @@ def sphere_reference(evaluate, lit: LitDirections) -> np.ndarray:
 
 
 def l1_error(image, reference, covered=None) -> float:
-    """Mean absolute deviation over mean reference, sum|a-b| / sum|b|, over the pixels `covered` (all by default)."""
+    """Mean absolute deviation over mean reference, sum|a-b| / sum|b|, over the pixels `covered` (all by default).
+
+    Raises ValueError where `image` and `reference` differ in shape.
+    """
     a, b = _pick(image, reference, covered)
     return float(np.abs(a - b).sum() / np.abs(b).sum())
 
 
 def total_ratio(image, reference, covered=None) -> float:
-    """Total light of `image` over that of `reference`, over the pixels `covered` (all by default)."""
+    """Total light of `image` over the total of `reference`, over the pixels `covered` (all by default).
+
+    Raises ValueError where the shapes differ.
+    """
     a, b = _pick(image, reference, covered)
     return float(a.sum() / b.sum())
 
 
 def _pick(image, reference, covered):
+    """The `covered` pixels of both pictures, or both whole where `covered` is None."""
     image, reference = np.asarray(image), np.asarray(reference)
     if image.shape != reference.shape:
         raise ValueError(f"image and reference differ in shape: {image.shape} and {reference.shape}")

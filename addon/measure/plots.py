@@ -1,4 +1,4 @@
-"""Pictures of what was measured: lines are the formula, dots the renders. Needs matplotlib."""
+"""Plots of measurements: lines are the formula, dots the renders. Needs matplotlib."""
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ CHANNELS = (("red", "#c8403c"), ("green", "#3b9450"), ("blue", "#3868b8"))
 
 
 def _pyplot():
+    """The module matplotlib.pyplot, set up without a window. Raises ValueError where matplotlib is missing."""
     try:
         import matplotlib
     except ImportError:
@@ -28,7 +29,7 @@ def _pyplot():
 
 
 def check(path):
-    """Raise ValueError where a plot could not be written to `path`: before minutes of rendering, not after."""
+    """Raises ValueError where no plot could be written to `path`. Call it before minutes of rendering."""
     _pyplot()
     path = Path(path)
     if path.suffix.lower() != ".png":
@@ -42,18 +43,20 @@ def _is_gray(values):
 
 
 def _series(values, reference):
-    """(label, color, channel) of the lines to draw: one where all is gray."""
+    """(label, color, channel) of the lines to draw: one line where all values are gray, else one for each channel."""
     if _is_gray(values) and (reference is None or _is_gray(reference)):
         return [("", VIEWS[0], 0)]
     return [(name, color, channel) for channel, (name, color) in enumerate(CHANNELS)]
 
 
 def furnace(path, title: str, angles_deg, measured, noise, comparison=None, curve=None):
-    """Albedo over view angle, and below it the error where there is a `comparison`.
+    """Plots the albedo over the view angle, and below it the error where there is a `comparison`. Writes a PNG.
 
-    `measured`, `noise`: (N, 3). `curve`: (angles in degrees (M,), albedo (M, 3)) of the formula. Writes a PNG.
+    `angles_deg` is (N,), `measured` and `noise` are (N, 3). `curve` is the formula's (angles in degrees (M,), albedo
+    (M, 3)), or None.
     """
     plt = _pyplot()
+    # A second, lower plot holds the errors.
     rows = 1 if comparison is None else 2
     figure, axes = plt.subplots(rows, 1, figsize=(7.2, 3.6 + 2.0 * (rows - 1)), sharex=True, squeeze=False,
                                 gridspec_kw={"height_ratios": [2.2, 1.0][:rows]}, layout="constrained")
@@ -63,6 +66,7 @@ def furnace(path, title: str, angles_deg, measured, noise, comparison=None, curv
             upper.plot(curve[0], curve[1][:, channel], color=color, lw=1.6, label=f"formula {label}".strip())
         upper.errorbar(angles_deg, measured[:, channel], SIGMAS * noise[:, channel], fmt="o", ms=5, color=color,
                        mfc="white", mew=1.4, capsize=2, label=f"rendered {label}".strip(), zorder=3)
+    # The dashed line at 1 is the limit of a plausible albedo.
     top = max(1.0, measured.max(), 0.0 if curve is None else curve[1].max())
     upper.set(ylabel="albedo", title=title, xlim=(-2.0, 91.0), ylim=(0.0, 1.06 * top))
     upper.axhline(1.0, color=INK, lw=0.8, ls=(0, (4, 3)))
@@ -75,7 +79,7 @@ def furnace(path, title: str, angles_deg, measured, noise, comparison=None, curv
 
 
 def _errors(axis, x, comparison, label, unit):
-    """Errors over `x` with their error bars, on a band of the tolerance; `unit` divides the values."""
+    """Plots errors and their bars over `x`, and a band for the tolerance; `unit` divides the values."""
     tolerance = comparison.tolerance / unit
     axis.axhspan(-tolerance, tolerance, color=BAND, lw=0)
     axis.axhline(0.0, color=INK, lw=0.8)
@@ -88,19 +92,22 @@ def _errors(axis, x, comparison, label, unit):
 
 
 def goniometer(path, title: str, sweeps):
-    """Lobes f(V, L)(N·L) in 1/sr: polar in the plane of incidence, across it, and the errors. Writes a PNG.
+    """Plots lobes f(V, L)(N·L) in 1/sr: in the plane of incidence (polar), across it, and the errors. Writes a PNG.
 
     `sweeps` are dicts with view_deg, plane ("incidence" or "across"), angles_deg (N,), measured (N, 3), noise (N, 3),
-    curve (None, or angles (M,) and values (M, 3)) and comparison (or None), all of f(V, L)(N·L).
+    curve (None, or angles (M,) and values (M, 3)) and comparison (or None), all of f(V, L)(N·L). A sweep with a
+    comparison has its peak, too.
     """
     plt = _pyplot()
     compared = any(sweep["comparison"] is not None for sweep in sweeps)
     figure = plt.figure(figsize=(11.5, 5.2), layout="constrained")
     figure.suptitle(title, fontsize=12)
+    # The polar plot fills the left side; the other plots share the right side.
     grid = figure.add_gridspec(2 if compared else 1, 2, width_ratios=[1.3, 1.0])
     lobe = figure.add_subplot(grid[:, 0], projection="polar")
     across = figure.add_subplot(grid[0, 1])
     colors = {view: VIEWS[i % len(VIEWS)] for i, view in enumerate(dict.fromkeys(s["view_deg"] for s in sweeps))}
+    # One color a view; angles are radians in the polar plot.
     for sweep in sweeps:
         color, flat = colors[sweep["view_deg"]], sweep["plane"] == "incidence"
         axis, turn = (lobe, np.radians) if flat else (across, np.asarray)
@@ -119,7 +126,7 @@ def goniometer(path, title: str, sweeps):
 
 
 def _finish_lobe(axis, sweeps, colors, caption):
-    """The half disc above the surface, normal up, viewers marked on its rim, and the legend under it."""
+    """Shows the half disk above the surface, its normal up, marks the viewers on the rim, and adds the legend."""
     axis.set_theta_zero_location("N")
     axis.set_theta_direction(-1)
     axis.set_thetalim(-np.pi / 2, np.pi / 2)
@@ -138,7 +145,7 @@ def _finish_lobe(axis, sweeps, colors, caption):
 
 
 def _lobe_errors(axis, sweeps, colors):
-    """Errors in per cent of each sweep's own peak, in the plane (dots) and across it (crosses)."""
+    """Plots errors in per cent of each sweep's own peak, in the plane (dots) and across it (crosses)."""
     reach = 0.0
     for sweep in (s for s in sweeps if s["comparison"] is not None):
         comparison = sweep["comparison"]
@@ -157,11 +164,12 @@ def _lobe_errors(axis, sweeps, colors):
 
 
 def chi_square(path, title: str, result):
-    """Density drawn, density claimed, and their difference in standard deviations, cell by cell. Writes a PNG.
+    """Plots the drawn density, the claimed density, and their difference in standard deviations. Writes a PNG.
 
-    `result` is a `verify.chi_square.ChiSquare`. All cells are as large as each other here; ticks tell where they lie.
+    `result` is a `statistics.chi_square.ChiSquare`. All cells are drawn in one size; the ticks give their edges.
     """
     plt = _pyplot()
+    # Both densities share a logarithmic scale over four decades.
     figure, axes = plt.subplots(1, 3, figsize=(13.0, 4.4), layout="constrained", sharex=True, sharey=True)
     area = np.diff(result.azimuths)[:, None] * np.diff(result.cosines)
     total = result.counts.sum() + result.undrawn[0]
@@ -172,6 +180,7 @@ def chi_square(path, title: str, result):
                             origin="lower", aspect="auto", interpolation="nearest")
         axis.set_title(f"{label} [1/sr]", fontsize=10)
     figure.colorbar(image, ax=list(axes[:2]), fraction=0.04)
+    # A count's standard deviation is the root of its expectation.
     spread = np.sqrt(np.maximum(result.expected, 1.0))
     image = axes[2].imshow(((result.counts - result.expected) / spread).T, vmin=-4.0, vmax=4.0, cmap="RdBu_r",
                            origin="lower", aspect="auto", interpolation="nearest")
@@ -192,6 +201,6 @@ def chi_square(path, title: str, result):
 
 
 def _ticks(edges, count=5):
-    """Places and labels of some of the `edges` of cells that are drawn as wide as each other."""
-    at = np.linspace(0, len(edges) - 1, count).round().astype(int)
-    return at - 0.5, [f"{round(edges[i], 9) + 0.0:.4g}" for i in at]
+    """Positions and labels of `count` of the cells' `edges`, where all cells are drawn equally wide."""
+    chosen = np.linspace(0, len(edges) - 1, count).round().astype(int)
+    return chosen - 0.5, [f"{round(edges[i], 9) + 0.0:.4g}" for i in chosen]

@@ -1,4 +1,4 @@
-"""A dark room in Cycles with one thing in it: settings under which a pixel is the integral and nothing else."""
+"""The measuring scene: one object in the dark, with settings under which a Cycles pixel is the integral alone."""
 import contextlib
 import ctypes
 import importlib.util
@@ -13,17 +13,17 @@ import numpy as np
 
 from ..models.errors import ArgumentError
 
-SUN_ENERGY = math.pi  # W/m²: a white Lambertian under it, head on, shows radiance 1
+SUN_ENERGY = math.pi  # W/m²; a white Lambertian that faces this sun has radiance 1
 PLANE, BALL = "plane", "ball"
-_BALL_SUBDIVISIONS = 7  # 81920 triangles: the depth is right to 4e-5 radii
+_BALL_SUBDIVISIONS = 7  # 81920 triangles, which lie within 4e-5 radii of the sphere
 
 
 class MeasureError(ValueError):
-    """Blender cannot render what was asked for; the message says what is missing."""
+    """Blender cannot render the measurement; the message names what is missing."""
 
 
 def require_blender():
-    """Return the module bpy. Raises MeasureError where it is not installed or has no Cycles."""
+    """Returns the module bpy. Raises MeasureError where bpy is not installed or has no Cycles."""
     if importlib.util.find_spec("bpy") is None:
         raise MeasureError("needs Blender's Python module: install it with `pip install bpy`")
     with quiet():
@@ -35,7 +35,7 @@ def require_blender():
 
 
 def prepare(scene, material):
-    """Switch on in a scene what the backends of a material's nodes need. Raises MeasureError where one cannot run."""
+    """Sets up a scene for the backends of a material's nodes. Raises MeasureError where one of them cannot run."""
     for backend in set(_backends_in(material.node_tree)) if material.node_tree else ():
         for hindrance in backend.why_not():
             raise MeasureError(hindrance.text)
@@ -43,7 +43,7 @@ def prepare(scene, material):
 
 
 def _backends_in(tree):
-    """The backends of the nodes of ours in a tree and its groups; a user's own Script node needs OSL's."""
+    """Yields the backends of our nodes in a tree and its groups, and OSL's for a user's own Script node."""
     from ..blender import backend
     from ..blender.material import groups
 
@@ -58,20 +58,22 @@ def _backends_in(tree):
 
 @contextlib.contextmanager
 def quiet():
-    """Discard what is written to the process's standard output, also by Blender's C++ code. Errors still show."""
+    """Discards the process's standard output, also that of Blender's C++ code. Standard error still shows."""
     with contextlib.redirect_stdout(io.StringIO()), _quiet_descriptor():
         yield
 
 
 @contextlib.contextmanager
 def _quiet_descriptor():
+    """Points the descriptor of the standard output at the null device."""
     try:
         stdout = sys.__stdout__.fileno()
     except (AttributeError, OSError, ValueError):  # no console, as under pythonw
         yield
         return
+    # Earlier text belongs to the console, later text does not.
     _flush()
-    kept = os.dup(stdout)
+    saved = os.dup(stdout)
     sink = os.open(os.devnull, os.O_WRONLY)
     os.dup2(sink, stdout)
     os.close(sink)
@@ -79,26 +81,28 @@ def _quiet_descriptor():
         yield
     finally:
         _flush()
-        os.dup2(kept, stdout)
-        os.close(kept)
+        os.dup2(saved, stdout)
+        os.close(saved)
 
 
 def _flush():
-    """Empty Python's and C's output buffers, so that text lands where it was meant to go."""
+    """Flushes Python's and C's output buffers."""
     sys.__stdout__.flush()
     with contextlib.suppress(OSError, AttributeError):
         (ctypes.CDLL("ucrtbase") if os.name == "nt" else ctypes.CDLL(None)).fflush(None)
 
 
 class MeasuringScene:
-    """A scene of its own with one object that carries `material`, seen by an orthographic camera.
+    """A separate Blender scene: one object with `material`, seen by an orthographic camera.
 
-    `shape` is PLANE (the normal is +z, the tangent +x) or BALL (radius 1 about the origin). The world is black and
-    there are no lights until `sky` and `shine`. `resolution` is the width and height in pixels. Use as a context
-    manager: on leaving, all that was made is removed.
+    `shape` is PLANE (the normal is +z, the tangent +x) or BALL (radius 1 about the origin). The world is black, and
+    there are no lights until `sky` and `shine` add them. `resolution` is the width and height in pixels, 4..4096. Use
+    it as a context manager: the exit removes all data that it made.
 
-    `exact_pixels` makes a pixel see its center only; without it, it sees the usual 1.5 pixels around, which does not
-    matter on a plane and gives shaders that hash the position more of it.
+    With `exact_pixels` a pixel sees its center only. Without, a pixel's filter is the usual 1.5 pixels wide; that makes
+    no difference on a plane, and shaders that hash the position get more positions.
+
+    Raises ArgumentError for a wrong resolution, MeasureError where Blender or a backend is missing.
     """
 
     def __init__(self, material, shape: str, resolution: int, exact_pixels: bool = False):
@@ -107,7 +111,8 @@ class MeasuringScene:
         self.resolution = int(resolution)
         self._bpy = require_blender()
         self._folder = tempfile.TemporaryDirectory(prefix="plausible-")
-        self._made = []
+        self._made = []  # (collection, data-block), to be removed in reverse order
+        # The object and its mesh.
         data = self._bpy.data
         self.scene = data.scenes.new("Plausible Room")
         mesh = self._keep(data.meshes, data.meshes.new("Plausible Subject"))
@@ -115,6 +120,7 @@ class MeasuringScene:
         mesh.materials.append(material)
         self._subject = mesh
         self._add_object("Plausible Subject", mesh)
+        # The camera, the world, and the renderer's settings.
         lens = self._keep(data.cameras, data.cameras.new("Plausible Camera"))
         lens.type = "ORTHO"
         self._camera = self.scene.camera = self._add_object("Plausible Camera", lens)
@@ -127,7 +133,7 @@ class MeasuringScene:
         return self
 
     def __exit__(self, *_):
-        # Dropped first: Blender 4.5 crashes when a scene goes while a renderer still holds it.
+        # This frees the renderer first: Blender 4.5 crashes where a scene is removed while a renderer holds it.
         self.scene.render.use_persistent_data = False
         self._bpy.data.scenes.remove(self.scene)
         for collection, block in reversed(self._made):
@@ -135,24 +141,26 @@ class MeasuringScene:
         self._folder.cleanup()
 
     def _keep(self, collection, block):
+        """Marks a data-block for removal; returns the block."""
         self._made.append((collection, block))
         return block
 
     def _add_object(self, name, data):
-        thing = self._keep(self._bpy.data.objects, self._bpy.data.objects.new(name, data))
-        thing.rotation_mode = "QUATERNION"
-        self.scene.collection.objects.link(thing)
-        return thing
+        """Makes an object of `data` in the scene; returns the object."""
+        added = self._keep(self._bpy.data.objects, self._bpy.data.objects.new(name, data))
+        added.rotation_mode = "QUATERNION"
+        self.scene.collection.objects.link(added)
+        return added
 
     def look_from(self, direction, width: float = 1.0):
-        """Put the camera in the unit vector `direction` (3,) from the origin, looking at it; it sees `width` meters."""
+        """Points the camera at the origin from the unit vector `direction` (3,); the picture is `width` meters wide."""
         cosine = max(abs(float(direction[2])), 1e-3)
         self._camera.data.ortho_scale = width
         _place(self._camera, direction, max(10.0, 2.0 * width / cosine))  # the lowest pixel stays above the plane
         self._camera.data.clip_end = 1e5
 
     def sky(self, radiance=0.0, image: str | None = None):
-        """Light the room from everywhere: `radiance` (number or RGB) or an equirectangular `image` file times it."""
+        """Lights the scene by `radiance` (number or RGB) from everywhere, times the equirectangular `image` file."""
         world = self.scene.world
         if world.node_tree is None:
             world.use_nodes = True
@@ -160,6 +168,7 @@ class MeasuringScene:
         nodes.clear()
         background, output = nodes.new("ShaderNodeBackground"), nodes.new("ShaderNodeOutputWorld")
         links.new(background.outputs[0], output.inputs["Surface"])
+        # The brightest channel is the strength, so that the color stays within 0..1.
         color = np.broadcast_to(np.asarray(radiance, dtype=np.float64), (3,))
         strength = max(float(color.max()), 1e-30)
         background.inputs["Color"].default_value = (*(color / strength), 1.0)
@@ -170,9 +179,10 @@ class MeasuringScene:
             links.new(texture.outputs["Color"], background.inputs["Color"])
 
     def shine(self, kind: str, direction, **settings):
-        """Add a lamp of Blender's `kind` ("SUN", "AREA"), `settings` being its properties; returns its object.
+        """Adds a lamp of Blender's `kind` ("SUN", "AREA"); returns its object.
 
-        `direction` (3,) is the unit vector to it. `distance` (meters, 10 by default) is where a lamp with a place is.
+        `direction` (3,) is the unit vector to the lamp. `settings` are properties of the light, and `distance` from the
+        origin (meters, 10 by default), which matters for lamps with a position.
         """
         distance = settings.pop("distance", 10.0)
         light = self._keep(self._bpy.data.lights, self._bpy.data.lights.new("Plausible Lamp", kind))
@@ -184,11 +194,11 @@ class MeasuringScene:
 
     @staticmethod
     def aim(lamp, direction, distance: float = 10.0):
-        """Move `lamp` to `distance` meters in the unit vector `direction` (3,), shining at the origin."""
+        """Moves `lamp` to `distance` meters along the unit vector `direction` (3,), shining at the origin."""
         _place(lamp, direction, distance)
 
     def floor(self, material):
-        """Put a floor of `material`, 8 meters across, under the ball."""
+        """Adds a floor of `material`, 8 meters wide, under the ball."""
         data = self._bpy.data
         mesh = self._keep(data.meshes, data.meshes.new("Plausible Floor"))
         mesh.from_pydata([(x, y, -1.0) for x, y in ((-4, -4), (4, -4), (4, 4), (-4, 4))], [], [(0, 1, 2, 3)])
@@ -197,13 +207,14 @@ class MeasuringScene:
         self._add_object("Plausible Floor", mesh)
 
     def bounces(self, count: int):
-        """Let light be reflected `count` times; once where this is not called."""
+        """Lets light be reflected `count` times; without this call, once."""
         cycles = self.scene.cycles
         cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = count
 
     def divide(self, materials):
-        """Give the plane's strips, one beside the other across the picture, to `materials`, (1,) or more."""
+        """Divides the plane into strips side by side, one for each of `materials` (one or more)."""
         mesh, count = self._subject, len(materials)
+        # The strips have equal widths and fill the picture of width 1.
         edges = np.linspace(-0.5, 0.5, count + 1)
         mesh.clear_geometry()
         mesh.materials.clear()
@@ -217,7 +228,7 @@ class MeasuringScene:
             face.material_index = i
 
     def render(self, samples: int, seed: int = 0) -> np.ndarray:
-        """Render: radiance (resolution, resolution, 3), float64, row 0 at the bottom."""
+        """Renders `samples` (1..2^20) per pixel: radiance (resolution, resolution, 3), float64, row 0 at the bottom."""
         if int(samples) != samples or not 1 <= samples <= 1 << 20:
             raise ArgumentError("samples", "range", f"{samples} is not a whole number from 1 to {1 << 20}")
         self.scene.cycles.samples, self.scene.cycles.seed = int(samples), int(seed)
@@ -227,41 +238,42 @@ class MeasuringScene:
         with quiet():
             self._bpy.ops.render.render(write_still=True, scene=self.scene.name)
             image = self._bpy.data.images.load(str(path))
-        image.colorspace_settings.name = "Non-Color"  # the numbers of the file as they are
+        image.colorspace_settings.name = "Non-Color"  # reads the file's numbers unchanged
         pixels = np.empty(len(image.pixels), dtype=np.float32)
         image.pixels.foreach_get(pixels)
         self._bpy.data.images.remove(image)
         return pixels.reshape(self.resolution, self.resolution, -1)[..., :3].astype(np.float64)
 
 
-def _place(thing, direction, distance):
-    """Move `thing` to `distance` in the unit vector `direction`, its +z pointing there and its +y as near +y as can be.
+def _place(body, direction, distance):
+    """Moves an object to `distance` along the unit vector `direction`.
 
-    A camera at +z then has +x to its right and +y up.
+    The object's +z points along `direction`, its +y as near to +y as possible. A camera at +z then has +x to its right
+    and +y up.
     """
     from mathutils import Matrix, Vector
 
     z = Vector(direction)
     y = Vector((0.0, 1.0, 0.0)) if abs(z.y) < 0.999 else Vector((0.0, 0.0, -1.0))
     x = y.cross(z).normalized()
-    thing.location = z * distance
-    thing.rotation_quaternion = Matrix((x, z.cross(x), z)).transposed().to_quaternion()
+    body.location = z * distance
+    body.rotation_quaternion = Matrix((x, z.cross(x), z)).transposed().to_quaternion()
 
 
 def _fill_plane(mesh):
-    size = 1e4  # meters: reaches past the picture at every angle up to 89.9 degrees
+    size = 1e4  # meters: the plane fills the picture at every view angle up to 89.9 degrees
     corners = [(-size, -size, 0.0), (size, -size, 0.0), (size, size, 0.0), (-size, size, 0.0)]
     mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
     mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", [0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0])
 
 
 def _fill_ball(mesh):
-    """An icosphere of radius 1 whose normals are radial: interpolated over a face they still point from the center."""
+    """Fills a mesh with an icosphere of radius 1 whose normals are radial, also where a face interpolates them."""
     import bmesh
 
     shape = bmesh.new()
     bmesh.ops.create_icosphere(shape, subdivisions=_BALL_SUBDIVISIONS, radius=1.0)
-    # Flat faces cut below the round surface: at the sphere's volume they lie below it as often as above.
+    # Flat faces lie below the round surface. With the sphere's volume they lie below it as often as above.
     volume_radius = (shape.calc_volume() / (4.0 / 3.0 * math.pi)) ** (1.0 / 3.0)
     bmesh.ops.scale(shape, verts=shape.verts, vec=[1.0 / volume_radius] * 3)
     shape.to_mesh(mesh)
@@ -274,13 +286,13 @@ def _fill_ball(mesh):
 
 
 def _settle(scene, resolution, exact_pixels):
-    """Switch off what would make a pixel something else than the mean of independent samples."""
+    """Switches off everything that keeps a pixel from being the mean of independent samples."""
     render, cycles = scene.render, scene.cycles
     render.engine = "CYCLES"
     render.resolution_x = render.resolution_y = resolution
     render.resolution_percentage = 100
     render.use_compositing = render.use_sequencer = False
-    render.use_persistent_data = True  # shaders are compiled once, not at each render
+    render.use_persistent_data = True  # Cycles compiles shaders once, not at each render
     render.image_settings.file_format = "OPEN_EXR"
     render.image_settings.color_mode, render.image_settings.color_depth = "RGB", "32"
     render.image_settings.exr_codec = "NONE"
@@ -288,7 +300,7 @@ def _settle(scene, resolution, exact_pixels):
     cycles.device = "CPU"
     cycles.shading_system = False  # see `prepare`
     cycles.use_denoising = cycles.use_adaptive_sampling = cycles.use_guiding = False
-    cycles.sampling_pattern = "TABULATED_SOBOL"  # the default pattern ties neighboring pixels' noise together
+    cycles.sampling_pattern = "TABULATED_SOBOL"  # the default pattern correlates the noise of neighboring pixels
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = 1
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
     cycles.light_sampling_threshold = cycles.blur_glossy = 0.0

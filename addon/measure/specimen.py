@@ -1,4 +1,4 @@
-"""What is measured: a material made of one of our models, or one out of a .blend file, with its formula where known."""
+"""The material to measure: of a model, or of a .blend file, with its formula where that is known."""
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -8,7 +8,10 @@ from .scene import MeasureError, quiet, require_blender
 
 @dataclass(frozen=True)
 class Specimen:
-    """`material` (bpy.types.Material) called `title`; `model` is None where no formula says how it should look."""
+    """A `material` (bpy.types.Material) with its `title`, `model` and `parameters`.
+
+    `model` is None where the reflectance has no formula.
+    """
 
     title: str
     material: object
@@ -16,18 +19,18 @@ class Specimen:
     parameters: dict = field(default_factory=dict)
 
     def albedo(self, cos_theta):
-        """What the furnace should show at N·V = `cos_theta` (N,): (N,) or (N, 3)."""
+        """The formula's albedo, (N,) or (N, 3), at N·V = `cos_theta` (N,)."""
         return self.model.albedo(cos_theta, **self.parameters)
 
     def evaluate(self, view, light):
-        """f(V, L) in 1/sr, (N,) or (N, 3)."""
+        """The formula's f(V, L) in 1/sr, (N,) or (N, 3), for unit vectors (N, 3)."""
         return self.model.evaluate(view, light, **self.parameters)
 
 
 def settings(model, assignments) -> dict:
-    """Parameters of `model` out of texts like "exponent=50", "fresnel_type=schlick", "base_color=0.9,0.6,0.2".
+    """Parses parameters of `model` from texts like "exponent=50", "fresnel_type=schlick", "base_color=0.9,0.6,0.2".
 
-    Raises ValueError that names the text and what is allowed.
+    Returns {parameter id: value}. Raises ValueError that names the text and the allowed values.
     """
     values = {}
     for text in assignments:
@@ -41,7 +44,7 @@ def settings(model, assignments) -> dict:
 
 
 def _parsed(text):
-    """A number, true or false, a tuple of numbers, or the text itself (a choice's name)."""
+    """The text's value: a number, a bool, a tuple of numbers, or the text itself (a choice's name)."""
     words = {"true": True, "false": False}
     if text.lower() in words:
         return words[text.lower()]
@@ -53,7 +56,10 @@ def _parsed(text):
 
 
 def of_model(model_id: str, assignments=()) -> Specimen:
-    """A new material of a model. Raises ValueError for a wrong model or parameter, MeasureError without OSL."""
+    """Makes a material of the model `model_id` with the `assignments` of `settings`.
+
+    Raises ValueError for a wrong model or parameter, MeasureError where the shader does not compile.
+    """
     if model_id not in MODELS:
         raise ValueError(f"no model {model_id!r}; there are {', '.join(MODELS)}")
     model = MODELS[model_id]
@@ -72,10 +78,10 @@ def of_model(model_id: str, assignments=()) -> Specimen:
 
 
 def of_file(path, name: str) -> Specimen:
-    """The material `name` of the .blend file `path`, which is opened in place of what is open now.
+    """Opens the .blend file `path`, replacing the open file, and returns its material `name`.
 
-    It has a formula where it is one of ours with nothing plugged into its parameters. Raises OSError for a file that
-    is missing or no .blend, ValueError for a name that is not in it and for a material that has lost its shader,
+    The specimen has a formula where the material is one of ours and no parameter is linked. Raises OSError where the
+    file is missing or not a .blend, ValueError where the file lacks the name or the material has lost its shader, and
     MeasureError where Blender is missing.
     """
     path = Path(path)
@@ -97,7 +103,7 @@ def of_file(path, name: str) -> Specimen:
 
 
 def _require_shaders(path, material):
-    """Raise ValueError where a node of ours has lost its shader: Blender itself may end when it renders that."""
+    """Raises ValueError where a node of ours has lost its shader: Blender may crash when it renders such a node."""
     from ..blender.material import repair
 
     lost = [node.name for node in material.node_tree.nodes if repair.lost_shader(node)] if material.node_tree else []
@@ -107,7 +113,7 @@ def _require_shaders(path, material):
 
 
 def _formula(material):
-    """Model and parameters of a material of ours whose surface is our node and nothing else; else None and {}."""
+    """Model and parameters of a material whose surface is a node of ours alone; None and {} for other materials."""
     from ..blender.material import groups, sockets
 
     node = groups.find_node(material)

@@ -1,4 +1,4 @@
-"""Materials whose reflectance is known in closed form: what the instruments themselves are checked on.
+"""Reference materials for checking the instruments: their reflectance is known in closed form.
 
 Each is one of Cycles' own closures. `evaluate(view, light)` is its f in 1/sr for unit vectors (N, 3).
 """
@@ -25,7 +25,7 @@ _ASHIKHMIN = 'BSDF = microfacet("ashikhmin_shirley", N, normalize(dPdu), {alpha!
 
 @dataclass(frozen=True)
 class Standard:
-    """A closure with its formula; `body` is the OSL that returns it."""
+    """A closure with its `formula(view, light)`; `body` is the OSL statement that sets the closure."""
 
     id: str
     body: str
@@ -39,7 +39,7 @@ class Standard:
             return np.where(above, self.formula(view, light), 0.0)
 
     def material(self, factor: float = 1.0):
-        """A new material of this closure times `factor`. Raises MeasureError where OSL is missing."""
+        """Makes a material of this closure times `factor`. Raises MeasureError where OSL is missing."""
         body = self.body if factor == 1.0 else f"{self.body} BSDF *= {float(factor)!r};"
         return material_of_source(_OSL.format(body=body), f"Standard {self.id}")
 
@@ -50,7 +50,7 @@ def diffuse() -> Standard:
 
 
 def phong(exponent: float) -> Standard:
-    """Reciprocal Phong (n+2)/(2pi) (R·L)^n."""
+    """Reciprocal Phong (n+2)/(2pi) (R·L)^n, by `phong_ramp` of one white."""
     def formula(view, light):
         return (exponent + 2.0) / (2.0 * np.pi) * np.maximum(dot(mirror(view), light), 0.0) ** exponent
 
@@ -91,7 +91,7 @@ def microfacet(distribution: str, alpha: float) -> Standard:
 
 
 def native(distribution: str, roughness: float = 0.0, reflectance: float = 1.0):
-    """A new material of one of Cycles' own nodes: "DIFFUSE", or a Glossy of that `distribution`, as "GGX"."""
+    """Makes a material of one of Cycles' own nodes: Diffuse for "DIFFUSE", else Glossy of `distribution`, as "GGX"."""
     material = _blank(f"Native {distribution.title()}")
     nodes = material.node_tree.nodes
     node = nodes.new("ShaderNodeBsdfDiffuse" if distribution == "DIFFUSE" else "ShaderNodeBsdfAnisotropic")
@@ -105,9 +105,10 @@ def native(distribution: str, roughness: float = 0.0, reflectance: float = 1.0):
 
 
 def material_of_source(source: str, name: str):
-    """A new material whose surface is the OSL `source`, which has one output `BSDF`. Raises MeasureError on bad source.
+    """Makes a material whose surface is the OSL `source`, which has one output `BSDF`.
 
-    The compiled shader is put into the node by hand: the wheels of bpy cannot query a shader for its sockets.
+    The function fills the node itself: the wheels of bpy cannot query a shader for its sockets. Raises MeasureError
+    where the source does not compile.
     """
     require_blender()
     import _cycles
@@ -118,6 +119,7 @@ def material_of_source(source: str, name: str):
         if not _cycles.osl_compile(str(written), str(compiled)):
             raise MeasureError(f"{name}: the OSL source does not compile")
         bytecode = compiled.read_text()
+    # A Script node with that bytecode and one socket is the material's surface.
     material = _blank(name)
     nodes = material.node_tree.nodes
     script, output = nodes.new("ShaderNodeScript"), nodes.new("ShaderNodeOutputMaterial")
@@ -130,7 +132,7 @@ def material_of_source(source: str, name: str):
 
 
 def _blank(name):
-    """A new material whose node tree is empty."""
+    """Makes a material whose node tree is empty."""
     material = require_blender().data.materials.new(name)
     if material.node_tree is None:
         material.use_nodes = True

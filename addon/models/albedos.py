@@ -1,6 +1,7 @@
-"""The albedos and volumes that models divide by. Two kinds: integrated, the truth, and read from tables, which is fast.
+"""The albedos and volumes that models divide by.
 
-A model has one kind as its field `albedos`; `Model.with_albedos` exchanges it. The other kind is `tabulated.TABULATED`.
+There are two sources: INTEGRATED, the exact one, and `tabulated.TABULATED`, which reads tables and is fast. A model's
+field `albedos` is its source. `Model.with_albedos` replaces it.
 """
 from functools import lru_cache
 from typing import Protocol
@@ -10,30 +11,32 @@ import numpy as np
 from . import disk, pump_stages
 from .interpolation import Reader
 
+# Nodes of a volume's curve.
 _VOLUME_NODES = 160
-_KEPT = 128  # exponents whose curves are remembered
+# The number of curves in each cache.
+_CACHED = 128
 
 
 class Albedos(Protocol):
-    """What a model asks for."""
+    """A source of albedos and volumes."""
 
     def stages(self, lobe, control: bool, cos_theta, exponent: float, count: int) -> np.ndarray:
-        """The first `count` of a_0 .. a_3 of a lobe's pump stages, at cosines (...,) and one exponent: (..., count).
+        """The first `count` albedos a_0 .. a_3 of a lobe's pump stages at cosines (...,) for one exponent.
 
-        See pumping.py.
+        Shape (..., count). See pumping.py.
         """
 
     def kinks(self, lobe, control: bool, exponent: float, pumps: float) -> tuple:
-        """Cosines of light or view at which D of as many `pumps` bends: where integrals had better be parted."""
+        """Cosines of light or view at which D of `pumps` stages has a kink. Integrals over D should be split there."""
 
     def volumes(self, mu_view, exponent, radius) -> np.ndarray:
-        """Volume (N,) of round lumps about the origin inside the disk at N·V = `mu_view`; all arguments (N,)."""
+        """Volumes (N,), inside the disk at N·V = `mu_view`, of round lumps about the origin. All arguments are (N,)."""
 
 
 class IntegratedAlbedos:
-    """Integrated where they are first asked for, and remembered as curves over the angle. No file is read.
+    """Albedos and volumes by quadrature, cached as curves over the angle. No file is read.
 
-    Stages err by less than 1e-5 of an albedo, volumes by less than 1e-6.
+    Albedos err by less than 1e-5 of themselves, volumes by less than 1e-6.
     """
 
     def stages(self, lobe, control, cos_theta, exponent, count):
@@ -46,23 +49,23 @@ class IntegratedAlbedos:
 
     def volumes(self, mu_view, exponent, radius):
         """See `Albedos`."""
-        distance, found = disk.room(np.asarray(mu_view)), np.empty(len(mu_view))
-        # Exponent and radius are mostly the same for all views.
+        distance, volumes = disk.room(np.asarray(mu_view)), np.empty(len(mu_view))
+        # One curve for each pair of exponent and radius. They are mostly the same for all views.
         for n, r in np.unique(np.stack([exponent, radius], axis=-1), axis=0):
             chosen = (exponent == n) & (radius == r)
-            found[chosen] = _VolumeCurve.of(float(n), float(r)).at(distance[chosen] / r)
-        return found
+            volumes[chosen] = _VolumeCurve.of(float(n), float(r)).at(distance[chosen] / r)
+        return volumes
 
 
 INTEGRATED = IntegratedAlbedos()
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=_CACHED)
 def _stage_curves(lobe, control, exponent):
     return pump_stages.curves(lobe, exponent, control)
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=_CACHED)
 def _kinks(lobe, control, exponent, pumps):
     if not control or not pumps:
         return lobe.kinks
@@ -70,10 +73,11 @@ def _kinks(lobe, control, exponent, pumps):
 
 
 class _VolumeCurve:
-    """Volume of one round lump over the distance of the disk's edge from its centre, in radii, 0 to 1 where it ends.
+    """One round lump's volume inside the disk, over the distance from its center to the disk's rim: 0 .. 1 radii.
 
-    The coordinate is even for narrow lumps' logarithms of the distance. Where the edge leaves a lump of exponent n the
-    volume ends with the power n + 3/2 of the distance, so nodes crowd there as squares.
+    For narrow lumps the nodes are even in the logarithm of the distance. At distance 1 the rim leaves the lump, and the
+    volume of a lump with exponent n reaches 1 as the power n + 3/2 of the remaining distance. Nodes crowd there
+    quadratically.
     """
 
     def __init__(self, exponent, radius):
@@ -83,13 +87,13 @@ class _VolumeCurve:
         self._nodes = disk.volume_at(exponent, radius, distance)
 
     @classmethod
-    @lru_cache(maxsize=_KEPT)
+    @lru_cache(maxsize=_CACHED)
     def of(cls, exponent, radius):
-        """The curve of a lump, remembered."""
+        """The curve of a lump, cached."""
         return cls(exponent, radius)
 
     def at(self, distance):
-        """Volume (N,) at distances (N,); beyond 1 the lump is inside."""
-        part = np.arcsinh(self._k * np.clip(distance, 0.0, 1.0)) / np.arcsinh(self._k)
-        u = 1.0 - np.sqrt(np.maximum(1.0 - part, 0.0))
+        """Volume (N,) at distances (N,). Distances above 1 count as 1: the lump is wholly inside the disk."""
+        coordinate = np.arcsinh(self._k * np.clip(distance, 0.0, 1.0)) / np.arcsinh(self._k)
+        u = 1.0 - np.sqrt(np.maximum(1.0 - coordinate, 0.0))
         return Reader(u * (_VOLUME_NODES - 1), _VOLUME_NODES).read(self._nodes)

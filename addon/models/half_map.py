@@ -1,8 +1,8 @@
-"""A distribution of half vectors that is an image: the hemisphere as it is seen from above, N in the middle.
+"""A distribution of half vectors from an image, which shows the hemisphere from above, with N in the middle.
 
-The pixel at (x, y), both -1..1, x along the tangent, to the right, and y across it, up, is the half vector with these
-parts in the plane; its value is in proportion to the density p in 1/sr. Between pixels' centres p is bilinear, and the
-scale is such that its integral over the hemisphere is 1. What lies outside the unit circle is no half vector.
+The pixel at (x, y), both -1..1, is the half vector with these in-plane components: x, to the right, is along the
+tangent, and y, up, is across it. Its value is proportional to the density p in 1/sr. Between the pixels' centers, p is
+bilinear. It is scaled so that its integral over the hemisphere is 1. Pixels outside the unit circle are not used.
 """
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -14,21 +14,25 @@ from . import images
 from .errors import ImageError
 from .samplers import HalfCells, half_vectors
 
-MOST = 256  # pixels across: larger images are averaged down
-ENOUGH, FINE = 96, 256  # nodes across that integrals have at least
+# The largest number of pixels across. Larger images are averaged down to it.
+MOST = 256
+# The least numbers of nodes across, of integrals of smooth functions and of functions with kinks.
+ENOUGH, FINE = 96, 256
+# The largest number of pixels across of an image file.
 LARGEST = 8192
-EVERYWHERE = 1e-3  # share of samples that is spread evenly: none is left out where p is small
+# The share of samples that is uniform over the hemisphere, so that the density is nowhere 0.
+EVERYWHERE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class HalfMap:
-    """p of the square image `pixels` (N, N) in 1/sr, row 0 at the bottom, turned about N by `turn` radians."""
+    """p in 1/sr of the square image `pixels` (N, N), row 0 at the bottom, turned about the normal by `turn` radians."""
 
     pixels: np.ndarray
     turn: float = 0.0
 
     def density(self, h):
-        """p in 1/sr of unit half vectors (..., 3) above the horizon, shape (...)."""
+        """p in 1/sr of unit half vectors (..., 3) above the horizon, shape (...). Bilinear interpolation."""
         h, size, p = _turned(h, -self.turn), len(self.pixels), self.pixels
         x, y = (np.clip(0.5 * size * (h[..., i] + 1.0) - 0.5, 0.0, size - 1.0) for i in (0, 1))
         i, j = (np.minimum(at.astype(int), size - 2) for at in (x, y))
@@ -37,16 +41,17 @@ class HalfMap:
 
     @cached_property
     def nodes(self):
-        """Half vectors (M, 3) to integrate by, the solid angle of each, and p times that, (M,) both.
+        """Quadrature nodes: half vectors (M, 3), their solid angles (M,), and p times the solid angle (M,).
 
-        They are pixels' centres, of most images others between them: the integral of what is bilinear is the sum of its
-        values there. FINE is for what bends in addition, N·L / max(N·L, N·V) at grazing most.
+        The nodes are the pixels' centers, and for images of fewer than FINE pixels also points between them. At the
+        centers alone, sums of a bilinear function are exact integrals. Functions with kinks need FINE nodes across:
+        N·L / max(N·L, N·V), above all at grazing.
         """
         return self._nodes(FINE)
 
     @cached_property
     def few_nodes(self):
-        """As `nodes`, for what is as smooth as the image."""
+        """As `nodes`, for functions as smooth as the image."""
         return self._nodes(ENOUGH)
 
     def _nodes(self, least):
@@ -56,22 +61,27 @@ class HalfMap:
 
     @cached_property
     def sampler(self):
-        """Draws half vectors by cells of the hemisphere, rings times turns, which unlike pixels end where it does."""
+        """A sampler of half vectors by cells of the hemisphere, rings times turns.
+
+        Unlike pixels, cells end at the hemisphere's rim.
+        """
+        # The mean of p over each cell, by four points.
         size = max(len(self.pixels), ENOUGH)
         rings, turns = np.linspace(0.0, 0.5 * np.pi, round(0.25 * np.pi * size) + 1), round(np.pi * size)
-        z, found = np.cos(rings), 0.0
+        z, total = np.cos(rings), 0.0
         for along, around in ((0.25, 0.25), (0.25, 0.75), (0.75, 0.25), (0.75, 0.75)):
             phi = 2.0 * np.pi * (np.arange(turns) + around) / turns
-            found = found + self.density(half_vectors((z[:-1] + along * np.diff(z))[:, None], phi))
-        even = np.broadcast_to(-np.diff(z)[:, None], found.shape)
-        share = (1.0 - EVERYWHERE) * found * even / (found * even).sum() + EVERYWHERE * even / even.sum()
+            total = total + self.density(half_vectors((z[:-1] + along * np.diff(z))[:, None], phi))
+        # The cells' shares: p times the solid angle, mixed with a uniform share.
+        even = np.broadcast_to(-np.diff(z)[:, None], total.shape)
+        share = (1.0 - EVERYWHERE) * total * even / (total * even).sum() + EVERYWHERE * even / even.sum()
         return HalfCells(rings, share)
 
     @cached_property
     def slope(self) -> float:
-        """Root of twice the mean square distance of half vectors from their mean, along the narrower axis.
+        """The slope m of the half vectors: √2 times their standard deviation, along x or y, whichever is smaller.
 
-        In the plane, as m is of microfacets; at least a pixel.
+        It is of their in-plane components, and is clamped to [one pixel, 1].
         """
         h, _, mass = self.few_nodes
         variance = mass @ h[:, :2] ** 2 - (mass @ h[:, :2]) ** 2
@@ -79,7 +89,7 @@ class HalfMap:
 
     @cached_property
     def is_mirrored(self) -> bool:
-        """Whether p is its own mirror image about the tangent and about the direction across it."""
+        """Whether p is symmetric about the tangent and about the direction across it."""
         quarters = 2.0 * self.turn / np.pi
         flips = (self.pixels[::-1], self.pixels[:, ::-1])
         close = 1e-4 * self.pixels.max()
@@ -87,9 +97,10 @@ class HalfMap:
 
 
 def lights(nodes, view):
-    """Lights (M, 3) above the horizon, solid angles times N·L, and p dω_H, (M,) both, that `view` (3,) sees by nodes.
+    """The lights that the half vectors `nodes` of a HalfMap reflect to `view` (3,), for those above the horizon.
 
-    The nodes are those of a HalfMap: dω_L = 4 V·H dω_H.
+    Returns lights (M, 3), their solid angles times N·L (M,), and p dω_H (M,). The solid angles follow from
+    dω_L = 4 V·H dω_H.
     """
     h, area, mass = nodes
     facing = h @ view
@@ -99,7 +110,8 @@ def lights(nodes, view):
 
 
 def of_image(luminance, turn: float = 0.0) -> HalfMap:
-    """The distribution of an image (N, N) of any unit, row 0 at the top. Raises ImageError for one of no use."""
+    """The distribution of an image (N, N) in any unit, row 0 at the top. Raises ImageError if it cannot be used."""
+    # Size and values.
     height, width = luminance.shape
     if height != width:
         raise ImageError(f"{width} x {height} pixels; it must be square, or half vectors would be stretched", "square")
@@ -108,6 +120,7 @@ def of_image(luminance, turn: float = 0.0) -> HalfMap:
     if not np.isfinite(luminance).all() or luminance.min() < 0.0:
         bad = luminance[~np.isfinite(luminance) | (luminance < 0.0)][0]
         raise ImageError(f"a pixel is {bad:g}; densities are finite numbers, 0 or more", "pixel")
+    # Division by the maximum keeps sums finite. The scale then makes the integral 1.
     relative = HalfMap(_averaged(luminance[::-1] / max(luminance.max(), 1e-300)))
     total = relative.nodes[2].sum()
     if not total > 0.0:
@@ -116,9 +129,9 @@ def of_image(luminance, turn: float = 0.0) -> HalfMap:
 
 
 def load(path, turn: float = 0.0) -> HalfMap:
-    """The distribution of an image file, turned by `turn` radians; kept until the file changes.
+    """The distribution of an image file, turned by `turn` radians. It is cached until the file changes.
 
-    Raises ImageError that names the file and what is wrong with it.
+    Raises ImageError, which names the file and the fault.
     """
     return _load(str(path), turn, images.stamp(path))
 
@@ -133,12 +146,13 @@ def _load(path, turn, _):
 
 
 def _averaged(pixels):
-    """A square image brought down to MOST pixels across by averages over the area of the new ones."""
+    """A square image of at most MOST pixels across. Each new pixel is the average over its area."""
     size = len(pixels)
     if size <= MOST:
         return pixels
     edges = np.linspace(0.0, size, MOST + 1)
     low = np.minimum(edges.astype(int), size - 1)
+    # Rows, then columns: differences of the running sum at the new pixels' edges.
     for _ in (0, 1):
         sums = np.concatenate([np.zeros((1, pixels.shape[1])), np.cumsum(pixels, axis=0)])
         at = sums[low] + (edges - low)[:, None] * pixels[low]
@@ -156,11 +170,12 @@ def _turned(h, turn):
 
 @lru_cache(maxsize=4)
 def _squares(size, parts=8):
-    """Middles on the hemisphere (M, 3) and solid angles (M,) of the size² squares of the disk, and their centres there.
+    """The size² squares of the unit disk: mean directions (M, 3), solid angles (M,), and centers in the plane (M, 3).
 
-    The centres (M, 3) have no height. Squares on the rim are cut off by it. Along x integrals of 1/z, x/z, y/z and z/z
-    are in closed form.
+    The centers' third component is 0. Squares on the rim are cut by it, and squares outside are left out. Integrals of
+    1/z, x/z, y/z and z/z along x are in closed form. Along y each square has `parts` strips.
     """
+    # The integrals along x on each strip, summed over the strips of each square.
     edges = np.linspace(-1.0, 1.0, size + 1)
     y = ((np.arange(size * parts) + 0.5) * 2.0 / (size * parts) - 1.0)[:, None]
     radius = np.sqrt(1.0 - y * y)
@@ -169,8 +184,9 @@ def _squares(size, parts=8):
     height = np.sqrt(np.maximum(radius**2 - x * x, 0.0))
     sums = np.stack([-np.diff(height, axis=1), y * angle, np.diff(x, axis=1), angle])
     sums = sums.reshape(4, size, parts, size).sum(axis=2).reshape(4, -1) * 2.0 / (size * parts)
-    *middle, area = sums[:, sums[3] > 0.0]
-    h = np.stack(middle, axis=-1)
-    at = 0.5 * (edges[1:] + edges[:-1])
-    centre = np.stack([*np.meshgrid(at, at), np.zeros((size, size))], axis=-1).reshape(-1, 3)[sums[3] > 0.0]
-    return h / np.linalg.norm(h, axis=-1, keepdims=True), area, centre
+    *mean, area = sums[:, sums[3] > 0.0]
+    h = np.stack(mean, axis=-1)
+    # The squares' centers.
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    center = np.stack([*np.meshgrid(middle, middle), np.zeros((size, size))], axis=-1).reshape(-1, 3)[sums[3] > 0.0]
+    return h / np.linalg.norm(h, axis=-1, keepdims=True), area, center

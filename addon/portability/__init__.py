@@ -1,1 +1,1 @@
-"""What a .blend needs elsewhere."""
+"""Tests whether a .blend renders elsewhere, and lists the files that it needs there."""

@@ -1,6 +1,6 @@
-"""Whether a .blend renders alone, with an empty profile, what it renders in its place, and what it would lack there.
+"""Tests whether a .blend renders the same alone, with an empty profile, as in its place, and lists what it would lack.
 
-Nothing of Blender is loaded here: each picture is made by a Blender of its own, which runs `probe`.
+This process loads no Blender: a separate Blender renders each picture by running `probe`.
 """
 import contextlib
 import json
@@ -16,14 +16,15 @@ import numpy as np
 
 from ..measure.scene import MeasureError
 
-# A copy travels to a place that is as awkward as a user's can be.
+# The copy's folder: a name as awkward as a user's can be.
 _PLACE = "Plausible Übung 旅"
+# The reason why packing a .blend leaves such a file out.
 _SOCKET = "a path in a shader's text socket, which neither Blender's packing nor an asset tracer (BAT, Flamenco) sees"
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that a .blend needs, or a setting, in words; `grave` where a picture elsewhere would be another one."""
+    """A file that a .blend needs, or a setting, in words; `grave` where the picture would differ elsewhere."""
 
     subject: str
     text: str
@@ -34,9 +35,9 @@ class Finding:
 
 @dataclass
 class Probe:
-    """What one Blender made of a file: pictures (height, width, 4) in its place and alone, or an `error` in words.
+    """One Blender's pictures of a file, (height, width, 4) `in_place` and `alone`, or an `error` in words.
 
-    `written` names what appeared beside the copy.
+    `written` names the files that appeared beside the copy.
     """
 
     blender: str
@@ -51,7 +52,7 @@ class Probe:
 
     @property
     def identical(self) -> bool:
-        """Whether both pictures are the same, bit for bit."""
+        """Whether both pictures are equal, bit for bit."""
         return not self.error and self.in_place.shape == self.alone.shape and \
             self.in_place.tobytes() == self.alone.tobytes()
 
@@ -70,23 +71,24 @@ def travel(blend, blender: str, frame: int | None = None, size: int = 96, sample
     program = shutil.which(blender)
     if program is None:
         raise OSError(f"{blender}: no such program")
-    program = os.path.abspath(program)  # not resolved: what a virtual environment's Python is, its place says
-    journey = Probe(blender)
+    program = os.path.abspath(program)  # links stay: a virtual environment's Python finds it by its own path
+    probe = Probe(blender)
+    # The first picture is of the file in its place, the second of a copy in another folder.
     picture = {"frame": frame, "size": size, "samples": samples}
     with tempfile.TemporaryDirectory(prefix="plausible-") as folder:
         here, there = Path(folder) / "here", Path(folder) / _PLACE
         here.mkdir()
-        found, journey.in_place = _run(program, here, {**picture, "blend": str(blend), "alone": False})
-        _note(journey, found)
-        if not journey.error:
-            with _copied(blend, there, journey.written) as copy:
-                found, journey.alone = _run(program, here, {**picture, "blend": str(copy), "alone": True})
-            journey.error = f"alone: {found['error']}" if "error" in found else ""
-    return journey
+        result, probe.in_place = _run(program, here, {**picture, "blend": str(blend), "alone": False})
+        _record(probe, result)
+        if not probe.error:
+            with _copied(blend, there, probe.written) as copy:
+                result, probe.alone = _run(program, here, {**picture, "blend": str(copy), "alone": True})
+            probe.error = f"alone: {result['error']}" if "error" in result else ""
+    return probe
 
 
 def own_blender() -> str:
-    """The Blender to ask where none is named: this Python. Raises MeasureError where it has no bpy."""
+    """The default Blender: this Python. Raises MeasureError where it has no bpy."""
     import importlib.util
 
     if importlib.util.find_spec("bpy") is None:
@@ -96,7 +98,7 @@ def own_blender() -> str:
 
 @contextlib.contextmanager
 def _copied(blend, folder, written):
-    """A copy of the file in a folder of its own that cannot be written to; what appears there goes into `written`."""
+    """Copies the file to a new read-only folder; on exit, adds the names of new or changed files there to `written`."""
     folder.mkdir()
     copy = folder / blend.name
     shutil.copyfile(blend, copy)
@@ -113,31 +115,33 @@ def _copied(blend, folder, written):
 
 
 def _run(blender, folder, job):
-    """Have a Blender do a job of `probe`: its result and its picture, None where it made none."""
+    """Has a Blender do a `probe` job; returns its result and its picture, None where there is no picture."""
     for name in ("result.json", "pixels.npy"):
         (folder / name).unlink(missing_ok=True)
     job = {**job, "result": str(folder / "result.json"), "pixels": str(folder / "pixels.npy")}
     (folder / "job.json").write_text(json.dumps(job), encoding="utf-8")
-    # A folder that holds no more than the script, so that nothing of ours is found beside it.
+    # The script is alone in its folder, so that Blender's Python finds no module of ours beside it.
     script = folder / "script" / "probe.py"
     script.parent.mkdir(exist_ok=True)
     shutil.copyfile(Path(__file__).with_name("probe.py"), script)
     with tempfile.TemporaryDirectory(prefix="plausible-profile-") as profile:
         command = _command(blender, script, folder / "job.json", job["alone"])
         environment = _environment(job["alone"], profile)
-        done = subprocess.run(command, capture_output=True, text=True, errors="replace", env=environment,
-                              cwd=profile if job["alone"] else None)
+        finished = subprocess.run(command, capture_output=True, text=True, errors="replace", env=environment,
+                                  cwd=profile if job["alone"] else None)
+    # A Blender that crashes leaves no result, or an earlier one.
     result = {"error": "did not run"}
     if Path(job["result"]).exists():
         result = json.loads(Path(job["result"]).read_text(encoding="utf-8"))
-    if done.returncode or result == {"error": "did not run"}:
-        last = (done.stderr.strip() or done.stdout.strip() or "nothing").splitlines()[-1].strip()
-        result["error"] = f"{result['error']} (exit code {done.returncode}); it said last: {last}"
+    if finished.returncode or result == {"error": "did not run"}:
+        last = (finished.stderr.strip() or finished.stdout.strip() or "nothing").splitlines()[-1].strip()
+        result["error"] = f"{result['error']} (exit code {finished.returncode}); it said last: {last}"
     pixels = Path(job["pixels"])
     return result, np.load(pixels) if pixels.exists() else None
 
 
 def _command(blender, script, job, alone):
+    """The command line that runs the script in a Blender, or in a Python that has bpy."""
     version = subprocess.run([blender, "--version"], capture_output=True, text=True, errors="replace")
     if version.stdout.startswith("Python"):
         return [blender, str(script), str(job)]
@@ -145,9 +149,9 @@ def _command(blender, script, job, alone):
 
 
 def _environment(alone, profile):
-    """The environment of a Blender in place, or alone: without the user's profile, modules and color configuration."""
+    """The environment of a Blender: the user's, or `alone` without profile, modules and color configuration."""
     environment = dict(os.environ)
-    # bpy, where this process has loaded it, names the configuration that it bundles, which no other version can read.
+    # A bpy loaded in this process has put its own color configuration there, which other versions cannot read.
     if alone or "colormanagement" in environment.get("OCIO", ""):
         environment.pop("OCIO", None)
     if alone:
@@ -158,15 +162,17 @@ def _environment(alone, profile):
     return environment
 
 
-def _note(journey, found):
-    journey.error = f"in its place: {found['error']}" if "error" in found else ""
-    journey.version = found.get("version", "")
-    journey.scene, journey.frame = found.get("scene", ""), found.get("frame", 0)
-    if "scripts" in found:
-        journey.findings = [*_scripts(found["scripts"]), *_files(found), *_scenes(found)]
+def _record(probe, result):
+    """Records the result of the first picture's job in the probe."""
+    probe.error = f"in its place: {result['error']}" if "error" in result else ""
+    probe.version = result.get("version", "")
+    probe.scene, probe.frame = result.get("scene", ""), result.get("frame", 0)
+    if "scripts" in result:
+        probe.findings = [*_scripts(result["scripts"]), *_files(result), *_scenes(result)]
 
 
 def _scripts(scripts):
+    """Yields the findings about Script nodes."""
     for script in scripts:
         users = ", ".join(sorted(set(script["users"])))
         if script["external"]:
@@ -185,18 +191,20 @@ def _scripts(scripts):
             yield Finding(users, words, text["absolute"], text["exists"], text["reads"])
 
 
-def _files(found):
-    scripts = {script["absolute"] for script in found["scripts"]}
-    for file in found["files"]:
+def _files(result):
+    """Yields the findings about files outside the .blend, other than scripts."""
+    scripts = {script["absolute"] for script in result["scripts"]}
+    for file in result["files"]:
         if file["absolute"] not in scripts:
             yield Finding(file["owner"], f"reads {file['path']!r}, {_whereabouts(file)}; pack it into the .blend, or "
                           "send it along", file["absolute"], file["exists"])
 
 
-def _scenes(found):
-    if not found["scripts"]:
+def _scenes(result):
+    """Yields the findings about the settings of scenes, in a file that has Script nodes."""
+    if not result["scripts"]:
         return
-    for scene in found["scenes"]:
+    for scene in result["scenes"]:
         subject = f"scene {scene['name']!r}"
         if scene["engine"] != "CYCLES":
             yield Finding(subject, f"renders with {scene['engine']}, which shows stand-ins; it was rendered in Cycles "
@@ -214,10 +222,10 @@ def _whereabouts(file):
 
 @dataclass(frozen=True)
 class Difference:
-    """Of two pictures: the `largest` of any channel, and in how many `pixels` there is any.
+    """The difference of two pictures: the `largest` of any channel, and the number of `pixels` that differ.
 
-    `mean` is the mean difference of colors in parts of the first's mean color, `coarse` that of squares of 8 x 8
-    pixels, where noise counts less, and `light` the ratio of the second's sum to the first's.
+    `mean` is the mean difference of colors, in parts of the first picture's mean color. `coarse` is the same of squares
+    of 8 x 8 pixels, where noise counts less. `light` is the ratio of the second picture's sum to the first's.
     """
 
     largest: float
@@ -228,21 +236,21 @@ class Difference:
 
 
 def difference(first, second) -> Difference | None:
-    """The difference of two pictures (height, width, 4), in their colors and alpha; None of unlike shapes."""
+    """The difference of two pictures (height, width, 4), colors and alpha; None where their shapes differ."""
     if first.shape != second.shape:
         return None
     same = (first == second) | (np.isnan(first) & np.isnan(second))
     first, second = first.astype(np.float64), second.astype(np.float64)
     apart = np.where(same, 0.0, second - first)
     colors = np.abs(first[..., :3]).sum()
-    parts = [np.abs(x).sum() / colors if colors else float(not same.all())
-             for x in (apart[..., :3], _squares(apart[..., :3]))]
-    return Difference(float(np.abs(apart).max()), int((~same).any(axis=-1).sum()), *map(float, parts),
+    shares = [np.abs(x).sum() / colors if colors else float(not same.all())
+              for x in (apart[..., :3], _squares(apart[..., :3]))]
+    return Difference(float(np.abs(apart).max()), int((~same).any(axis=-1).sum()), *map(float, shares),
                       float(second[..., :3].sum() / colors) if colors else 1.0)
 
 
 def _squares(pixels, size=8):
-    """Sums over squares of a picture (height, width, channels); those at its upper and right edge are smaller."""
+    """Sums over squares of a picture (height, width, channels); squares at its upper and right edge are smaller."""
     for axis in (0, 1):
         pixels = np.add.reduceat(pixels, np.arange(0, pixels.shape[axis], size), axis=axis)
     return pixels

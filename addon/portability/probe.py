@@ -1,9 +1,9 @@
-"""A script for a Blender that must not know the extension: opens a .blend, lists what it needs, renders it small.
+"""A script for a Blender without the extension: opens a .blend, lists the files it needs, and renders it small.
 
-`portable` runs a copy of it, with the path of a job as its last argument: JSON with `blend`, `result` and `pixels`
-(paths), `frame` (a number or null), `size` (pixels of the longer side), `samples`, and `alone` (hide the extension and
-forget the user's settings). It imports nothing of ours. `result` receives JSON, `pixels` the picture (height, width, 4)
-in float32.
+`portable` runs a copy of this script; the last argument is the path of a job. A job is JSON with `blend`, `result` and
+`pixels` (paths), `frame` (a number or null), `size` (the picture's longer side in pixels), `samples`, and `alone` (hide
+the extension and use factory settings). The script imports no module of ours. It writes JSON to `result` and the picture
+(height, width, 4), float32, to `pixels`.
 """
 import glob
 import json
@@ -12,13 +12,15 @@ import re
 import sys
 import traceback
 
-READS_FILES = re.compile(r"^\t(texture\w*|environment|gettextureinfo|pointcloud_\w+)\s", re.MULTILINE)  # of bytecode
+# Instructions of OSL bytecode that read a file.
+READS_FILES = re.compile(r"^\t(texture\w*|environment|gettextureinfo|pointcloud_\w+)\s", re.MULTILINE)
+# Collections of bpy.data whose blocks name files, and what each is called.
 FILES = {"images": "image", "libraries": "library", "fonts": "font", "sounds": "sound", "movieclips": "movie clip",
          "volumes": "volume", "cache_files": "cache file"}
 
 
 def main(job):
-    """Do a job; returns what goes into its `result`."""
+    """Does a job; returns its result, a dict."""
     if job["alone"]:
         sys.meta_path.insert(0, _Hidden())
     import bpy
@@ -26,34 +28,35 @@ def main(job):
     if job["alone"]:
         bpy.ops.wm.read_factory_settings(use_empty=True)
     try:
-        # What scripts in the file would do is not done on most farms either.
+        # Most render farms do not run a file's scripts either.
         bpy.ops.wm.open_mainfile(filepath=job["blend"], load_ui=False, use_scripts=False)
     except RuntimeError as error:
-        words = str(error).strip().splitlines()[0].removeprefix("Error: ").replace(f'"{job["blend"]}" ', "")
-        return {"version": bpy.app.version_string, "error": f"cannot open it: {words}"}
+        reason = str(error).strip().splitlines()[0].removeprefix("Error: ").replace(f'"{job["blend"]}" ', "")
+        return {"version": bpy.app.version_string, "error": f"cannot open it: {reason}"}
+    # The list of needs is part of the result, whether the render succeeds or not.
     scene = bpy.context.scene
     if job["frame"] is not None:
         scene.frame_set(job["frame"])
-    found = {"version": bpy.app.version_string, "scene": scene.name, "frame": scene.frame_current,
-             "scenes": scenes(bpy), "scripts": scripts(bpy), "files": files(bpy)}
-    if found["scripts"] and not has_osl():
-        return {**found, "error": "this Blender was built without Cycles' Open Shading Language"}
+    result = {"version": bpy.app.version_string, "scene": scene.name, "frame": scene.frame_current,
+              "scenes": scenes(bpy), "scripts": scripts(bpy), "files": files(bpy)}
+    if result["scripts"] and not has_osl():
+        return {**result, "error": "this Blender was built without Cycles' Open Shading Language"}
     if scene.camera is None or scene.camera.is_missing:
-        return {**found, "error": f"cannot render: the camera of scene {scene.name!r} is missing"}
+        return {**result, "error": f"cannot render: the camera of scene {scene.name!r} is missing"}
     settle(scene, job["size"], job["samples"])
-    tell(job, {**found, "error": "ended while it rendered"})  # what a crash leaves behind
+    tell(job, {**result, "error": "ended while it rendered"})  # the result if Blender crashes
     render(bpy, scene, job["pixels"])
-    return found
+    return result
 
 
 def tell(job, result):
-    """Write the result of a job."""
+    """Writes the result of a job to its file."""
     with open(job["result"], "w", encoding="utf-8") as stream:
         json.dump(result, stream)
 
 
 def has_osl():
-    """Whether this Blender can run a Script node; bpy has to be loaded before."""
+    """Whether this Blender can run a Script node. Load bpy first."""
     try:
         import _cycles
     except ImportError:
@@ -62,87 +65,90 @@ def has_osl():
 
 
 class _Hidden:
-    """Finds no module of the extension, wherever it may be installed."""
+    """An import hook that hides the modules of the extension."""
 
     def find_spec(self, name, path=None, target=None):
+        """Raises ModuleNotFoundError for a module of the extension; leaves others to Python."""
         if name.split(".")[0] == "addon" or "plausible_brdf" in name.split("."):
             raise ModuleNotFoundError(f"{name} is hidden", name=name)
 
 
 def scenes(bpy):
-    """What each scene renders with."""
+    """Name, engine, OSL switch and device of each scene."""
     return [{"name": scene.name, "engine": scene.render.engine, "osl": scene.cycles.shading_system,
              "device": scene.cycles.device} for scene in bpy.data.scenes]
 
 
 def scripts(bpy):
-    """The Script nodes that something uses, and the texts in their sockets."""
-    found = {}
+    """The Script nodes in use, with the users of each and the texts in its sockets, as dicts."""
+    nodes = {}
     for kind in ("materials", "worlds", "lights"):
         for block in getattr(bpy.data, kind):
             if block.users and block.node_tree:
-                _collect(bpy, block.node_tree, block.library, f"{kind[:-1]} {block.name_full!r}", found, set())
-    return list(found.values())
+                _collect(bpy, block.node_tree, block.library, f"{kind[:-1]} {block.name_full!r}", nodes, set())
+    return list(nodes.values())
 
 
-def _collect(bpy, tree, library, user, found, seen):
+def _collect(bpy, tree, library, user, nodes, seen):
+    """Adds the Script nodes of a tree and its groups to `nodes` {pointer: dict}; `seen` are names of groups done."""
     for node in tree.nodes:
         group = node.node_tree if node.bl_idname == "ShaderNodeGroup" else None
         if group is not None and group.name_full not in seen:
             seen.add(group.name_full)
-            _collect(bpy, group, group.library, user, found, seen)
+            _collect(bpy, group, group.library, user, nodes, seen)
         if node.bl_idname == "ShaderNodeScript":
             key = node.as_pointer()
-            found.setdefault(key, {**_script(bpy, node, library), "users": []})["users"].append(user)
+            nodes.setdefault(key, {**_script(bpy, node, library), "users": []})["users"].append(user)
 
 
 def _script(bpy, node, library):
+    """A Script node as a dict: whether it is external or empty, its path, and the texts in its sockets."""
     external = node.mode == "EXTERNAL"
     path = bpy.path.abspath(node.filepath, library=library) if external else ""
-    # Only a shader that calls for an image can read one; what a script outside contains is not known.
+    # A shader can read a file only by certain instructions; an external script's are unknown.
     reads = external or bool(READS_FILES.search(node.bytecode))
     texts = [{"name": socket.name, "identifier": socket.identifier, "reads": reads,
-              **_place(socket.default_value, bpy.path.abspath(socket.default_value))}
+              **_path(socket.default_value, bpy.path.abspath(socket.default_value))}
              for socket in node.inputs if socket.type == "STRING" and socket.default_value and not socket.is_linked]
-    return {"external": external, "empty": not external and not node.bytecode, **_place(node.filepath, path),
+    return {"external": external, "empty": not external and not node.bytecode, **_path(node.filepath, path),
             "texts": texts}
 
 
 def files(bpy):
-    """Files outside that data in use names: {owner, path, absolute, exists}."""
-    found, known = [], set()
+    """The files outside the .blend that data-blocks in use name: [{owner, path, absolute, exists}]."""
+    rows, known = [], set()
     for collection, kind in FILES.items():
         for block in getattr(bpy.data, collection):
             path = block.filepath
             packed = getattr(block, "packed_file", None) or getattr(block, "is_archive", False)
             generated = collection == "images" and block.source in ("GENERATED", "VIEWER")
             library = None if collection == "libraries" else block.library
-            place = _place(path, bpy.path.abspath(path, library=library))
-            known.add(place["absolute"])
+            location = _path(path, bpy.path.abspath(path, library=library))
+            known.add(location["absolute"])
             used = any(user.id_type != "BRUSH" for user in block.users_id) if kind == "library" else block.users
             if path and path != "<builtin>" and not packed and not generated and used:
-                found.append({"owner": f"{kind} {block.name_full!r}", **place})
-    # Whatever else there may be, its kind unknown, but no text and no library that something was appended from.
+                rows.append({"owner": f"{kind} {block.name_full!r}", **location})
+    # All other files that Blender knows, but for text files and libraries that data was appended from.
     known |= {os.path.abspath(bpy.path.abspath(text.filepath, library=text.library)) for text in bpy.data.texts}
     known |= {os.path.abspath(bpy.path.abspath(block.library_weak_reference.filepath))
               for block in bpy.data.user_map() if block.library_weak_reference is not None}
     for path in bpy.utils.blend_paths(absolute=True, packed=False, local=False):
-        place = _place(path, path)
-        if place["absolute"] not in known:
-            known.add(place["absolute"])
-            found.append({"owner": "a file", **place})
-    return found
+        location = _path(path, path)
+        if location["absolute"] not in known:
+            known.add(location["absolute"])
+            rows.append({"owner": "a file", **location})
+    return rows
 
 
-def _place(path, absolute):
-    """A path as it is written, and where that is; of a sequence of files, one is enough to exist."""
+def _path(path, absolute):
+    """{path, absolute, exists} of a path as the file writes it; a sequence exists where one of its files does."""
     absolute = os.path.abspath(absolute) if absolute else ""
     pattern = glob.escape(absolute).replace("<UDIM>", "*").replace("<UVTILE>", "*")
     return {"path": path, "absolute": absolute, "exists": bool(absolute and glob.glob(pattern))}
 
 
 def settle(scene, size, samples):
-    """Make a picture small, and the same bits at each render; what the scene shows stays."""
+    """Makes the picture small, and equal bit for bit at each render; the scene's content stays."""
     render, cycles = scene.render, scene.cycles
     scale = size / max(render.resolution_x, render.resolution_y)
     render.resolution_x = max(4, round(scale * render.resolution_x))
@@ -159,7 +165,7 @@ def settle(scene, size, samples):
 
 
 def render(bpy, scene, path):
-    """Render the scene; its picture (height, width, 4), row 0 at the bottom, goes to the .npy file `path`."""
+    """Renders the scene; writes its picture (height, width, 4), row 0 at the bottom, to the .npy file `path`."""
     import numpy as np
 
     scene.render.filepath = f"{path}.exr"
@@ -176,7 +182,7 @@ if __name__ == "__main__":
         JOB = json.load(stream)
     try:
         RESULT = main(JOB)
-    except Exception as error:  # told by the process that waits for the result
+    except Exception as error:  # the waiting process reports it
         traceback.print_exc()
         RESULT = {"error": f"{type(error).__name__}: {error}"}
     tell(JOB, RESULT)

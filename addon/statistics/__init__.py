@@ -1,1 +1,1 @@
-"""Statistics on samplers."""
+"""Statistical tests of samplers."""

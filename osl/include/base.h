@@ -1,12 +1,13 @@
-// Base lobes: Cycles' own closures that together are nearly the target; see addon/forms/base.py, which fits them.
-// The BASE_ macros and the arrays base_ come from its file.
+// Base lobes: Cycles' own closures that together are nearly the target. addon/forms/base_lobes fits them; the BASE_
+// macros and the base_ arrays come from its file, base_lobes.json.
 //
-// Most are phong_ramp, whose colours make it any function of (R.L)^e: equidistant levels, which Cycles interpolates,
-// and which it lets be negative.
+// Most base lobes are phong_ramp, whose colors make it any function of (R.L)^e. The colors are equidistant levels. Cycles
+// interpolates between them, and allows negative ones.
 
 #include "beckmann.h"
 
-// The arrays of the fit, which no struct can hold: as parameters of functions, passed on, and from the shader.
+// The arrays of the fit, which no struct can hold: as parameters of a function, as its arguments, and as the shader's
+// own arrays.
 #define BASE_PARAMETERS float widths[], float ramps[], float facets[], vector table[]
 #define BASE_ARGUMENTS widths, ramps, facets, table
 #define BASE_DATA base_widths, base_ramps, base_facets, base_table
@@ -53,11 +54,11 @@ float read_gains(Hit hit, float scale, float widths[], output float gains[BASE_F
     return mirror;
 }
 
-// Blends the table's nodes around this hit, coefficients times gains: in each cell between the three nodes of the half
-// that the hit lies in, which is as good as between four and faster.
+// Interpolates the table's nodes around this hit: sums of coefficients times gains. A cell is two triangles, and the
+// interpolation is between the three nodes of the hit's triangle: as good as between four nodes, and faster.
 void blend_nodes(Hit hit, float scale, float gains[BASE_FEATURES], vector table[], output vector sums[BASE_STRIDE])
 {
-    // Where the hit lies among the nodes: see `Family` in addon/forms/base.py.
+    // The hit's position among the nodes: see `Family` in addon/forms/base_lobes/closures.py.
     float w = hit.frame.view[0] / max(hit.frame.view[2], LEAST_VIEW) * scale;
     float u = (BASE_U - 1) * (VIEW_SLOPE_SHARE * w / (1.0 + w) + hit.theta / M_PI);
     float v = (BASE_V - 1) * pow(hit.n, -BASE_POWER);
@@ -65,7 +66,7 @@ void blend_nodes(Hit hit, float scale, float gains[BASE_FEATURES], vector table[
     int j = min((int)v, BASE_V - 2);
     u -= i;
     v -= j;
-    // Corners of the triangle: the way along the greater of u and v first.
+    // Corners of the triangle, along the larger of u and v first.
     int middle = u > v ? (i + 1) * BASE_V + j : i * BASE_V + j + 1;
     int begin = (i * BASE_V + j) * BASE_FEATURES;
     int end = begin + (BASE_V + 1) * BASE_FEATURES;
@@ -85,7 +86,7 @@ void blend_nodes(Hit hit, float scale, float gains[BASE_FEATURES], vector table[
     }
 }
 
-// The SLOTS of a ramp, least to most, and their mean and size. `least` is added to each level.
+// The levels of a set, from (R.L)^e = 0 to 1, their mean and size. `least` is added to each level.
 void make_levels(output Base b, int set, float unit, vector sums[BASE_STRIDE], vector least)
 {
     vector low = unit * sums[LEVEL_VECTORS * set] + least;
@@ -100,14 +101,14 @@ void make_levels(output Base b, int set, float unit, vector sums[BASE_STRIDE], v
     b.level[at + 5] = middle[2];
     b.level[at + 6] = high[0];
     b.level[at + 7] = high[1];
-    // By trapezoids; what is in the last slot is no level.
+    // Mean and size, by trapezoids. The last slot is no level.
     vector one = vector(1.0);
     vector last = vector(high[0], high[1], 0.0);
     b.mean[set] = (dot(low + middle + last, one) - 0.5 * (low[0] + high[1])) / (LEVELS - 1);
     b.size[set] = dot(abs(low) + abs(middle) + abs(last), one) / (LEVELS - 1);
 }
 
-// Lays a ramp's crease, a circle where its colours have a kink, through the mirror direction. Returns how far it leans.
+// Puts a ramp's crease, the circle where its colors have a kink, through the mirror direction. Returns the axis' lean.
 float lay_crease(output Base b, int i, Hit hit, float scale, float ramps[])
 {
     int at = RAMP_NUMBERS * i;
@@ -115,7 +116,7 @@ float lay_crease(output Base b, int i, Hit hit, float scale, float ramps[])
     float lean = max(min(ramps[at] * scale, hit.theta), CREASE_LEAN * scale);
     float rise = log((LEVELS - 1) / ramps[at + 3]);
     b.exponent[i] = rise / max(-log(max(cos(lean), CREASE_COSINE)), rise / SHARPEST);
-    // The exponent is large where the circle is small: the colours are scaled to be of the same effect.
+    // The exponent is large where the circle is small: scaled colors have the same effect.
     float lower = (hit.m + 2.0) / (b.exponent[i] + 2.0);
     for (int k = 0; k < LEVELS; k += 1)
         b.level[SLOTS * set + k] *= lower;
@@ -124,17 +125,17 @@ float lay_crease(output Base b, int i, Hit hit, float scale, float ramps[])
     return lean;
 }
 
-// A ramp whose levels are made: its exponent, and where it points.
+// A ramp's exponent and axis. Its levels exist already.
 void make_ramp(output Base b, int i, Hit hit, float scale, float ramps[])
 {
     int at = RAMP_NUMBERS * i;
     float height = M_PI_2 - hit.theta;
-    // Held back near the horizons: Cycles bends closures that mirror into the surface.
+    // The lean is limited near the horizons: Cycles bends closures that mirror into the surface.
     float lean = clamp(ramps[at] * scale, -LEAN_DOWN * max(height - LEAN_MARGIN, 0.0), M_PI - height - LEAN_UP);
     b.exponent[i] = hit.m * ramps[at + 1];
     if (ramps[at + 3] > 0.0)
         lean = lay_crease(b, i, hit, scale, ramps);
-    // Turned out of the plane of incidence, where it is one of two.
+    // One of a pair is turned out of the plane of incidence.
     b.axis[i] = vector(sin(lean - hit.theta), 0.0, cos(lean - hit.theta));
     if (ramps[at + 2] != 0.0) {
         float side = ramps[at + 2] * scale;
@@ -147,14 +148,14 @@ void make_base(output Base b, Hit hit, CORRECTION_PARAMETERS, BASE_PARAMETERS)
 {
     float scale = 1.0 / sqrt(hit.m);
     float mean = hit.frame.view[2] + BASE_GRAZING * scale;
-    // What the fit says for this hit's gains.
+    // The fit's numbers for this hit's gains.
     float gains[BASE_FEATURES];
     float plain;
     float mirror = read_gains(hit, scale, widths, gains, plain, CORRECTION);
     vector sums[BASE_STRIDE];
     blend_nodes(hit, scale, gains, table, sums);
     b.residual = max(sums[2][2], 0.0) / max(mirror, LEAST_MIRROR);
-    // Colours, of all ramps before any ramp: two ramps may have the same.
+    // The sets of levels come before the ramps: two ramps may share a set.
     int faint[BASE_SETS];
     float unit = 1.0 / mean;
     for (int i = 0; i < BASE_SETS; i += 1) {

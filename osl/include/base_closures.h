@@ -1,11 +1,11 @@
-// The base lobes of base.h as closures: what they are worth towards a light, how much energy they have, and themselves.
+// The base lobes of base.h: their value towards a light, their energy, and their closures.
 
-#define LEAST_COSINE 1e-9    // squared, of half vectors about a facet
-#define LEAST_ENERGY 1e-3  // of the base, that is divided by
-// The weight that a closure is drawn with, for its energy is not all:
-#define DRAWN_SIZE 0.1     // at least this part of its size, without signs,
-#define DRAWN_MENDING 0.3  // and, where it only mends the first one's shape, this part of that,
-#define DRAWN_LEAST 2e-3   // but no less than this
+#define LEAST_COSINE 1e-9  // least squared cosine of a half vector to a facet
+#define LEAST_ENERGY 1e-3  // smallest divisor for the base's energy
+// Cycles samples closures in proportion to their weights. A ramp's weight is its energy, with these bounds:
+#define DRAWN_SIZE 0.1     // at least this part of its absolute size
+#define DRAWN_MENDING 0.3  // times this, for all ramps but the first: they only correct the first one's shape
+#define DRAWN_LEAST 2e-3   // at least this
 
 // f (N.L) of one microfacet closure.
 float beckmann(vector facet, float alpha2, vector view, vector light, vector h)
@@ -43,12 +43,13 @@ float base_value(Base b, vector view, vector light, vector h)
     return sum;
 }
 
-// The cosine that a ramp carries: its energy is the mean of its colours times that.
+// The cosine factor of a ramp: its energy is the mean of its colors times this.
 float ramp_cosine(Base b, int i)
 {
     return min(dot(b.facet[i], b.axis[i]) + BASE_GRAZING * inversesqrt(b.exponent[i]), 1.0);
 }
 
+// Albedo of all base lobes together.
 float base_energy(Base b)
 {
     float sum = 0.0;
@@ -66,9 +67,9 @@ closure color base_closures(Base b, Frame f, color tint)
     for (int i = 0; i < BASE_RAMPS; i += 1) {
         if (b.sets[i] >= 0) {
             int first = SLOTS * b.sets[i];
-            // Cycles draws closures by their weights, not their colours: the weight is the energy, and less where
-            // the closure only mends the first one's shape. Those that take away are drawn as well: where they add
-            // something, they may be alone.
+            // Cycles samples closures by their weights, not their colors: the weight is the energy, and smaller where
+            // the closure only corrects the first one's shape. Negative ones are sampled as well: where they have
+            // positive values, no other closure may have any.
             float drawn = max(b.mean[b.sets[i]], DRAWN_SIZE * b.size[b.sets[i]]) * ramp_cosine(b, i);
             float weight = max(i == 0 ? drawn : DRAWN_MENDING * drawn, DRAWN_LEAST);
             float share = 1.0 / weight;

@@ -1,31 +1,34 @@
-// Bells: Beckmann microfacets that make up most of a lump on the halfway vector disk; see disk_estimator.h.
+// Bells: Beckmann microfacets that together are most of a lump on the halfway vector disk; see disk_estimator.h.
 //
-// A bell about a point of the disk, of any covariance, is a Beckmann closure: its normal is the point's half vector,
-// its slopes those that the disk's map makes of the covariance. What holds in units of the lump's radii, the shares of
-// bells, their places and widths, then holds at every view, anisotropy and projection. No closure takes light away:
-// where the bells are above the lump, what is too much is taken off all of them, so that no light is made.
+// A bell is a normal distribution about a point of the disk, with any covariance. It is a Beckmann closure: its normal
+// is the point's half vector, and its widths follow from the covariance by the disk's map. So one table serves every
+// view, anisotropy and projection: it has the bells' shares, positions and widths in units of the lump's radii. No
+// closure takes light away: the bells' excess over the lump is taken from all of them, so that no light is made.
 //
-// The table of bells is fitted by addon/forms/bells.py, and so are the macros BELLS_, BELL_, RING_ and STEEP_.
+// addon/forms/bells.py fits the table of bells; the macros BELLS_, BELL_, RING_ and STEEP_ come from there.
 
 #include "beckmann.h"
 
-#define MIDDLE_NUMBERS 2  // of a row of the table, of the bell in the middle: share, width,
-#define RING_NUMBERS 3    // and of each ring: share, radius, width
-#define FURTHEST 0.5      // of a bell's width: how far its normal leans
-#define IN_SIGHT 3.0      // widths of its lights that a bell's middle lies above the horizon
-#define FAR 25.0          // where a bell has e^-25 of its height, and is taken for 0
-#define FAINTEST 1e-5     // weight of a bell that is left out
-#define LEAST_SPREAD 1e-9    // of lights, that is divided by
-#define LEAST_VARIANCE 1e-12
+#define MIDDLE_NUMBERS 2      // numbers of the middle bell in a row of the table: share, width
+#define RING_NUMBERS 3        // numbers of each ring there: share, radius, width
+#define FURTHEST 0.5          // largest lean of a bell's normal, in parts of the bell's width
+#define IN_SIGHT 3.0          // least height of a bell's light above the horizon, in widths of its lights
+#define FAR 25.0              // exponent from which on a bell, e^-25 of its height, is taken as 0
+#define FAINTEST 1e-5         // bells with a smaller weight are skipped
+#define LEAST_SPREAD 1e-9     // smallest divisor for the spread of lights
+#define LEAST_VARIANCE 1e-12  // smallest divisor for a variance
 
-#define SLENDER 0.07      // 1 / (n + 1) below which a lump is so nearly a bell that one is enough,
-#define STRAIGHT 0.05     // where the disk's map is as straight as this,
-#define SLENDER_LOSS 0.8  // and its share falls by this times 1 / (n + 1)
-#define BENT 0.9          // share that the bells leave to splats, for its bending: they follow a bent lump badly
-#define MOST_RESIDUAL 0.6     // that they leave for it
-#define TOO_BENT 1.0      // there is no use in bells
-#define CURVED 0.8        // how much the square of a lump's width counts beside the gradient
-#define STEEPEST_SHARE 0.97  // of the bells of the steepest lumps
+// A lump that is nearly a bell, with 1 / (n + 1) below SLENDER and a bending below STRAIGHT, has one bell. Its share is
+// smaller by SLENDER_LOSS / (n + 1).
+#define SLENDER 0.07
+#define STRAIGHT 0.05
+#define SLENDER_LOSS 0.8
+// Bells follow a bent lump badly: BENT times the bending, at most MOST_RESIDUAL, of it is the kernels' share.
+#define BENT 0.9
+#define MOST_RESIDUAL 0.6
+#define TOO_BENT 1.0          // bending from which on a lump has no bells
+#define CURVED 0.8            // factor of the square of a lump's width in the bending, beside the gradient
+#define STEEPEST_SHARE 0.97   // share of the bells of the steepest lumps
 
 struct Bell {
     vector facet;
@@ -33,20 +36,20 @@ struct Bell {
     float alpha_x;
     float alpha_y;
     float weight;
-    // Of those whose value is asked for, see bell_seen:
+    // These are filled by bell_seen:
     vector across;
     float shadowed;  // 1 + Lambda of the view
-    float height;    // what of the value does not depend on the light; 0 where the bell is not seen
+    float height;    // the factor of the value that does not depend on the light; 0 where the view is below the facet
 };
 
 struct Bells {
     int count;
     Bell all[MOST_BELLS];
-    float share;  // of the lump that the bells are made for
-    float total;  // weight of all
+    float share;  // share of the lump that the bells stand for
+    float total;  // sum of the bells' weights
 };
 
-// Gradient, over slopes of the half vector, of the logarithm of what a microfacet shows in the disk's measure.
+// Gradient, over slopes of the half vector, of the logarithm of a microfacet's value in the disk's measure.
 vector disk_growth(Disk d, Spot s)
 {
     vector view = d.frame.view;
@@ -57,7 +60,7 @@ vector disk_growth(Disk d, Spot s)
     return across_view / dot(view, s.h) + 3.0 * across_normal / s.h[2];
 }
 
-// By how much a bell whose middle is at `s`, of standard deviations `a` and `b`, is made smaller to stay above the
+// The factor, 0..1, that shrinks a bell about `s` with the standard deviations `a` and `b` so that it stays above the
 // horizon. Lights move twice as fast as half vectors.
 float shrinkage(Disk d, Spot s, vector a, vector b)
 {
@@ -69,9 +72,9 @@ float shrinkage(Disk d, Spot s, vector a, vector b)
     return min(1.0, height / max(IN_SIGHT * spread, LEAST_SPREAD));
 }
 
-// How far a bell's normal leans. Microfacets are seen in proportion to V.H, and the disk's measure changes as well:
-// the normal leans against both, but no further than a part of the bell's width: where it would, the bell says little
-// of the lump anyway.
+// The lean of a bell's normal. A microfacet's value is proportional to V.H, and the disk's measure changes as well:
+// the normal leans against both. The lean is at most FURTHEST of the bell's width: a bell with a larger one follows the
+// lump badly anyway.
 vector leaning(Disk d, Spot s, Ellipse e)
 {
     vector growth = disk_growth(d, s);
@@ -81,11 +84,11 @@ vector leaning(Disk d, Spot s, Ellipse e)
     return min(1.0, FURTHEST / far) * ((e.xx * g1 + e.xy * g2) * e.e1 + (e.xy * g1 + e.yy * g2) * e.e2);
 }
 
-// The bell of a standard deviation, in parts of the lump's radii, about a point that is at `s`. Near a horizon it is
-// smaller; `shrunk` is by how much.
+// The bell about the point at `s`, with a standard deviation in parts of the lump's radii. Near a horizon the bell is
+// smaller, by the factor `shrunk`.
 Bell make_bell(Disk d, Lump p, Spot s, float deviation, float weight, output float shrunk)
 {
-    // The covariance of half vectors.
+    // The covariance of the half vectors.
     vector a = half_step(d, s, deviation * p.radii[0] * p.along);
     vector b = half_step(d, s, deviation * p.radii[1] * p.across);
     shrunk = shrinkage(d, s, a, b);
@@ -94,7 +97,7 @@ Bell make_bell(Disk d, Lump p, Spot s, float deviation, float weight, output flo
     Ellipse e = ellipse_of(s.h, a, b);
     Bell bell;
     bell.facet = normalize(s.h - leaning(d, s, e));
-    // Its axes: cosine and sine of half the angle whose cosine is this.
+    // The ellipse's axes: cosine and sine of half the angle whose cosine is `double_turn`.
     float double_turn = 0.5 * (e.xx - e.yy) / max(e.apart, LEAST_VARIANCE);
     bell.along = sqrt(0.5 * max(1.0 + double_turn, 0.0)) * e.e1
                + (e.xy < 0.0 ? -1.0 : 1.0) * sqrt(0.5 * max(1.0 - double_turn, 0.0)) * e.e2;
@@ -109,7 +112,7 @@ float bell_lambda(float x, float y, float z)
     return beckmann_lambda((x * x + y * y) / max(z * z, LEAST_COSINE2));
 }
 
-// The bell with what bell_value needs that is the same for all lights.
+// The bell with the numbers of bell_value that are the same for all lights.
 Bell bell_seen(Bell bell, vector view)
 {
     Bell b = bell;
@@ -158,7 +161,7 @@ void add_bell(Disk d, Lump p, float x, float y, float deviation, float weight, o
     if (disk_spot(d, lump_point(p, x, y), s)) {
         float shrunk;
         Bell bell = make_bell(d, p, s, deviation, weight, shrunk);
-        bell.weight *= shrunk * shrunk;  // no higher than a whole bell
+        bell.weight *= shrunk * shrunk;  // as high as the whole bell
         if (bell.weight > FAINTEST) {
             b.all[b.count] = bell_seen(bell, d.frame.view);
             b.count += 1;
@@ -167,8 +170,8 @@ void add_bell(Disk d, Lump p, float x, float y, float deviation, float weight, o
     }
 }
 
-// How much the disk's map changes over one standard deviation of the lump: 0 where it is affine. What the scaling
-// projection's bells lean against, that microfacets are seen in proportion to V.H, bends nothing.
+// The bending of a lump: the change of the disk's map over one standard deviation; 0 where the map is affine. In the
+// scaling projection the factor V.H of microfacets, which the normal leans against, does not count.
 float bending(Disk d, Lump p)
 {
     float deviation = lump_deviation(p.n);
@@ -183,8 +186,8 @@ float bending(Disk d, Lump p)
     return hypot(dot(growth, a), dot(growth, b)) + CURVED * (dot(a, a) + dot(b, b));
 }
 
-// A row of the table of bells between its nodes, see addon/forms/bells.py; with `many`, of a steep lump, with what
-// they leave. Returns whether it is one of those.
+// Reads a row of the table of bells between its nodes, see addon/forms/bells.py. With `many`, and a small exponent, it
+// is a row of steep lumps, which ends with the knots of the residual. Returns whether it is one.
 int bells_row(float n, int many, float table[], output float row[])
 {
     float at = BELLS_PER_UNIT / (n + 1.0);
@@ -197,7 +200,7 @@ int bells_row(float n, int many, float table[], output float row[])
     return steep;
 }
 
-// A ring of `count` bells, every other ring turned by half a bell.
+// Adds a ring of `count` bells. Every other ring is turned by half a bell.
 void add_ring(Disk d, Lump p, float row[], int ring, int count, output Bells b)
 {
     float deviation = lump_deviation(p.n);
@@ -210,7 +213,7 @@ void add_ring(Disk d, Lump p, float row[], int ring, int count, output Bells b)
     }
 }
 
-// The bells of a lump, `gain` times as high, by its `row` of the table.
+// The bells of a lump that is `gain` times as high, by its `row` of the table.
 void make_bells(Disk d, Lump p, float gain, float bent, int steep, float row[], output Bells b)
 {
     float v = 1.0 / (p.n + 1.0);
@@ -220,7 +223,7 @@ void make_bells(Disk d, Lump p, float gain, float bent, int steep, float row[], 
     b.total = 0.0;
     if (bent > TOO_BENT)
         return;
-    // The many bells of a steep lump are narrow, and follow one that is bent a little.
+    // The many bells of a steep lump are narrow, and follow a small bending.
     b.share = steep ? gain * mix(STEEPEST_SHARE, 1.0, clamp(4.0 * v - 1.0, 0.0, 1.0))
                     : gain * (1.0 - min(BENT * bent, MOST_RESIDUAL));
     if (v < SLENDER && bent < STRAIGHT) {

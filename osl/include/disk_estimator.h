@@ -1,39 +1,47 @@
-// How a lump gets into Cycles: bells (see bells.h) for most of it, and small bells at random places, splats, for what
-// those leave over. See estimator.h for the idea.
+// The estimator of a lump: bells (see bells.h) for most of it, and kernels, small bells at random points, for the
+// residual, the lump minus the bells. estimator.h explains the idea.
 //
-// A model includes disk.h and one target_*.h before this.
+// A model includes disk.h and one target_*.h before this file.
 
 #include "bells.h"
 
-#define STEEP_BENT 0.4    // where there is no use in many narrow bells
-#define WIDEST 0.15       // of a lump's standard deviation: splats; WIDER for sharp lumps, which are nearly bells,
-#define WIDER 0.35
-#define WIDER_FROM 8.0    // from this exponent on, more and more
-#define BLUR 0.0065       // and of steep lumps no more than this over what is left,
-#define LEAST_BLUR 0.6    // or this of WIDEST
-#define UNSHARP 0.1       // or, where their blur is not put back, this; and at most
-#define TO_EDGE 0.4       // of the way to the lump's edge,
-#define AT_EDGE 0.12      // or this of the standard deviation where the edge is soft,
-#define STEEP_EDGE 0.6    // and of that this part of steep lumps
-#define LARGE_RESIDUAL 0.1     // of the volume: where all samples per hit are drawn
-#define SMALL_RESIDUAL 0.02  // of the volume: with less, splats are drawn at fewer hits, and are heavier,
-#define LEAST_CHANCE 0.05 // but not at fewer than this
-#define HEAVIEST 3.0      // weight of all splats of a lump
-#define UNSEEN 1e-5       // weight of a splat that is left out
-#define RESIDUAL_SHARE 0.8       // share of a steep lump's splats that is drawn where its bells leave something
-#define DRAWN_RADIUS 1.45  // what splats are drawn from is a lump of this radius, 1.16 times as wide as a sharp lump:
-#define DRAWN_SLOPE 1.23   // its exponent is n times this, and more by
-#define DRAWN_MORE 1.28
-#define WIDE_FACET 0.71    // least deviation of a lump, in widths of the narrowest facet
-#define OVER_EDGE 3.0      // deviations at which a lump begins to leave the disk
-#define LEAST_TOTAL 1e-3   // weight of all bells that is divided by
+#define STEEP_BENT 0.4  // bending from which on a steep lump has no many narrow bells
 
-// Draws the square of a splat's distance from the middle of the unit disk by a number u; returns the density over the
-// disk's area. Most of a steep lump's lie where the row says that its bells leave something, all others as a lump does.
+// The standard deviation of a kernel, in parts of the lump's.
+#define WIDEST 0.15       // at most, for blunt lumps
+#define WIDER 0.35        // at most, for sharp lumps, which are nearly bells
+#define WIDER_FROM 8.0    // n + 1 from which on WIDEST goes over to WIDER
+#define BLUR 0.0065       // at most for steep lumps, divided by the residual
+#define LEAST_BLUR 0.6    // in parts of WIDEST: BLUR goes no lower
+#define UNSHARP 0.1       // at most where the kernels' blur is not compensated
+#define TO_EDGE 0.4       // at most, in parts of the distance to the lump's edge
+#define AT_EDGE 0.12      // or at most, near the edge, where that is soft
+#define STEEP_EDGE 0.6    // AT_EDGE is multiplied by this for steep lumps
+
+// The number of kernels, and their weights.
+#define LARGE_RESIDUAL 0.1   // share of the volume from which on a hit takes all samples
+#define SMALL_RESIDUAL 0.02  // share of the volume below which fewer hits have kernels, and these are heavier
+#define LEAST_CHANCE 0.05    // least share of hits that have kernels
+#define HEAVIEST 3.0         // largest weight of all kernels of a lump
+#define UNSEEN 1e-5          // kernels with a smaller weight are skipped
+
+// Kernels are sampled from a lump of its own, 1.16 times as wide as a sharp lump.
+#define RESIDUAL_SHARE 0.8  // share of a steep lump's kernels that are sampled by its bells' residual instead
+#define DRAWN_RADIUS 1.45   // its radius
+#define DRAWN_SLOPE 1.23    // its exponent is DRAWN_SLOPE n + DRAWN_MORE
+#define DRAWN_MORE 1.28
+
+#define WIDE_FACET 0.71   // least standard deviation of a lump, in widths of the narrowest facet
+#define OVER_EDGE 3.0     // standard deviations from the disk's edge below which a lump leaves the disk
+#define LEAST_TOTAL 1e-3  // smallest divisor for the weight of all bells
+
+// Samples the square of a kernel's distance from the middle of the unit disk by a uniform number u. Returns the density
+// over the disk's area. Most kernels of a steep lump follow the residual of its bells, by the knots of the row; all
+// others follow a lump.
 float draw_distance(float n, float u, int steep, float row[], output float r2)
 {
     float drawn_n = DRAWN_SLOPE * n + DRAWN_MORE;
-    // Where the bells leave something, or anywhere.
+    // Sample either the bells' residual or the wider lump.
     float area = M_PI * DRAWN_RADIUS * DRAWN_RADIUS;
     float residual_share = steep ? RESIDUAL_SHARE : 0.0;
     if (u < residual_share) {
@@ -43,7 +51,7 @@ float draw_distance(float n, float u, int steep, float row[], output float r2)
     } else  // eq. 28
         r2 = DRAWN_RADIUS * DRAWN_RADIUS
            * rest_of_root(max((u - residual_share) / (1.0 - residual_share), LEAST_DRAWN), drawn_n + 1.0);
-    // The density of both together.
+    // The density of the mixture of both.
     float density = (1.0 - residual_share) * (drawn_n + 1.0) / area * power_of_rest(M_PI * r2 / area, drawn_n);
     if (steep)
         for (int i = 0; i < BELL_KNOTS; i += 1) {
@@ -62,7 +70,7 @@ float lump_curvature(vector at, float n)
     return r2 < 1.0 ? (n + 1.0) / M_PI * 4.0 * n * power_of_rest(r2, n - 2.0) * (n * r2 - 1.0) : 0.0;
 }
 
-// A lump no narrower than Cycles' narrowest facets: a radius that is too small is enlarged.
+// The lump with each radius enlarged, where needed, to what Cycles' narrowest facets can show.
 Lump wide_enough(Disk d, Lump p)
 {
     Lump wide = p;
@@ -76,31 +84,33 @@ Lump wide_enough(Disk d, Lump p)
     return wide;
 }
 
-// How the splats of a lump are made.
+// The numbers that all kernels of a lump share.
 struct Aim {
     Draws draws;
-    int steep;
-    float deviation;  // of the lump
-    float widest;     // splat, in parts of that
-    float at_edge;    // the widest at a soft edge
-    int sharpened;    // whether what a splat blurs away is put back
-    color tint;       // of the lump
-    color base_tint;  // of its bells, times that
+    int steep;        // whether the lump has the many bells of steep lumps
+    float deviation;  // the lump's standard deviation, in parts of its radii
+    float widest;     // standard deviation of the widest kernel, in parts of `deviation`
+    float at_edge;    // standard deviation of the widest kernel at a soft edge, in parts of the radii
+    int sharpened;    // whether the kernels' blur is compensated
+    color tint;       // color factor of the lump
+    color base_tint;  // further color factor of its bells
 };
 
 Aim make_aim(Disk d, Lump p, Draws requested, float residual, int steep)
 {
     Aim aim;
-    // At few hits where little is left. The number that decides is uniform again below what it is held against.
+    // Few hits have kernels where the residual is small. The number that chooses is uniform below `chance`: it is
+    // stretched for another use.
     aim.draws = requested;
     aim.draws.count = clamp((int)ceil(requested.count * residual / LARGE_RESIDUAL), 1, requested.count);
     aim.draws.chance = clamp(residual / SMALL_RESIDUAL, LEAST_CHANCE, 1.0);
     aim.draws.numbers = vector(requested.numbers[0], requested.numbers[1] / aim.draws.chance, 0.0);
+    // The kernels' widths.
     aim.steep = steep;
     aim.deviation = lump_deviation(p.n);
     aim.at_edge = p.n >= 1.0 ? (steep ? STEEP_EDGE : 1.0) * AT_EDGE * aim.deviation : 0.0;
-    // Over the whole lump what is put back sums up to nothing, but not over a part of it, where it leaves the disk:
-    // there splats are smaller.
+    // The compensation of the blur sums up to 0 over the whole lump, but not over the part that is on the disk. So
+    // lumps that leave the disk have smaller kernels, and no compensation.
     int leaves = d.orthogonal && disk_room(d) < OVER_EDGE * aim.deviation * max(p.radii[0], p.radii[1]);
     aim.sharpened = p.n >= 2.0 && !leaves;
     aim.widest = leaves ? UNSHARP : mix(WIDER, WIDEST, min(WIDER_FROM / (p.n + 1.0), 1.0));
@@ -109,25 +119,25 @@ Aim make_aim(Disk d, Lump p, Draws requested, float residual, int steep)
     return aim;
 }
 
-// A point that a splat is drawn at.
+// The point about which a kernel lies.
 struct Drawn {
-    vector at;      // in the unit disk
-    float radius;   // distance from its middle
-    float density;  // over its area
+    vector at;      // the point on the unit disk
+    float radius;   // its distance from the middle
+    float density;  // probability density over the unit disk's area
     Spot spot;
 };
 
-// The splat at a point; what should be taken away is added to `excess`.
+// The kernel at a point. A negative weight is added to `excess` instead.
 closure color kernel_at(Drawn from, Disk d, Lump p, Bells b, Aim aim, output color excess, TARGET_PARAMETERS)
 {
     Spot s = from.spot;
     float wide = aim.draws.spread * min(aim.widest * aim.deviation, max(TO_EDGE * (1.0 - from.radius), aim.at_edge));
-    // What the bells leave. What a splat blurs away from its part of the lump itself is put back.
+    // The residual: the lump minus the bells. The part that the kernel's blur takes from the lump is added back.
     float based = bells_value(b, s.light, s.h) * p.radii[0] * p.radii[1] / s.stretch;
     if (aim.sharpened)
         based += max(1.0 - b.share, 0.0) * 0.5 * wide * wide * lump_curvature(from.at, p.n);
     color over = (target_density(d, p, from.at, s, TARGET) - based * aim.base_tint) / from.density;
-    // No closure takes light away.
+    // Microfacets cannot be negative: the excess of the bells goes to `excess`, and the kernel gets the rest.
     excess -= clamp(over, color(-HEAVIEST), color(0.0)) / aim.draws.count;
     color weight = clamp(over, color(0.0), color(HEAVIEST)) / aim.draws.count;
     float shrunk;
@@ -137,11 +147,12 @@ closure color kernel_at(Drawn from, Disk d, Lump p, Bells b, Aim aim, output col
     return kernel;
 }
 
-// The splats of a hit that has them; `excess` is what should be taken away.
+// The kernels of a lump. `excess` is the sum of the negative weights.
 closure color kernels(Disk d, Lump p, Bells b, Aim aim, float row[], output color excess, TARGET_PARAMETERS)
 {
     closure color sum = 0;
     for (int k = 0; k < aim.draws.count; k += 1) {
+        // Sample a point on the disk.
         Drawn from;
         float r2;
         from.density = aim.draws.chance
@@ -159,8 +170,8 @@ closure color kernels(Disk d, Lump p, Bells b, Aim aim, float row[], output colo
     return sum;
 }
 
-// Closures of one lump, times `tint`. `room_for_many` tells whether there is room for MOST_BELLS closures and the
-// splats.
+// Closures of one lump, times `tint`. `room_for_many` is 1 where Cycles has room for MOST_BELLS closures and the
+// kernels.
 closure color estimate_lump(Disk d, Lump narrow, color tint, Draws draws, int room_for_many, float table[],
                             TARGET_PARAMETERS)
 {
@@ -173,7 +184,7 @@ closure color estimate_lump(Disk d, Lump narrow, color tint, Draws draws, int ro
     float row[STEEP_ROW];
     int steep = bells_row(p.n, room_for_many && bent < STEEP_BENT, table, row);
     make_bells(d, like, gain * like.radii[0] * like.radii[1] / (p.radii[0] * p.radii[1]), bent, steep, row, b);
-    // The splats.
+    // The kernels.
     Aim aim = make_aim(d, p, draws, 1.0 - b.total, steep);
     aim.tint = tint;
     aim.base_tint = target_tint(TARGET);
@@ -181,7 +192,8 @@ closure color estimate_lump(Disk d, Lump narrow, color tint, Draws draws, int ro
     color excess = 0.0;
     if (KERNELS && draws.numbers[1] < aim.draws.chance)
         sum = kernels(d, p, b, aim, row, excess, TARGET);
-    // Closures are put before the sum: Cycles takes it apart with a short stack, which a sum put first would overflow.
+    // The bells pay for the excess. Each closure is put before the sum: Cycles walks the sum with a short stack, which
+    // `sum + closure` would overflow.
     color base_weight = tint * max(aim.base_tint - excess / max(b.total, LEAST_TOTAL), color(0.0));
     for (int i = 0; i < b.count; i += 1)
         sum = base_weight * bell_closure(b.all[i], d.frame) + sum;

@@ -1,30 +1,33 @@
-// Which rows of lobe rows a hit takes: see addon/forms/weights.py, which makes them.
+// The choice of a hit's row among lobe rows; addon/forms/rows makes the rows, and `_flat` in
+// addon/backends/osl/assembler.py writes their numbers.
 //
-// A row is what a view sees: base closures, and cells of half vectors that hold what those leave over. A set is rows
-// for all views, after a head: the stretch of its rings along x and y, and about how bright it is. There is one set,
-// or one for each combination of steps of driven parameters.
+// A row is the formula seen from one view: base closures, and the residual in cells of half vectors. A set is the rows
+// of all views, after a head: the stretch of the rings along x and y, and the set's brightness. There is one set, or
+// one for each combination of the steps of driven parameters.
 
-#define W_BASE (1 + W_FACET * W_FACETS)  // first the share that is left over, then microfacets, then
-#define W_CELLS (W_BASE + 3)             // the diffuse closure's colour, edges of rings, edges of cells, energies
-#define W_TURNS (W_CELLS + W_RINGS + 1)
-#define W_ENERGY (W_TURNS + W_RINGS * (W_AROUND + 1))
-#define W_ROW (W_ENERGY + W_RINGS * W_AROUND * W_CHANNELS)
-// After all rows, the colour of a perfect mirror, at W_SPIKES angles from row to row.
+// Offsets in a row. The residual's albedo comes first, at 0, and the base's microfacets follow, at 1.
+#define W_BASE (1 + W_FACET * W_FACETS)                     // color of the diffuse closure
+#define W_CELLS (W_BASE + 3)                                // edges of the rings
+#define W_TURNS (W_CELLS + W_RINGS + 1)                     // edges of the cells
+#define W_ENERGY (W_TURNS + W_RINGS * (W_AROUND + 1))       // energies of the cells
+#define W_ROW (W_ENERGY + W_RINGS * W_AROUND * W_CHANNELS)  // numbers of a row
+// The colors of a perfect mirror follow all rows of a set, at W_SPIKES angles from row to row.
 #define W_SPIKE (W_HEAD + W_AZIMUTHS * W_VIEWS * W_ROW)
+// Numbers of a set.
 #define W_SET (W_SPIKE + (W_SPIKES > 0 ? 3 * (W_SPIKES * (W_VIEWS - 1) + 1) : 0))
 
-#define LEAST_FRACTION 1e-6      // of a place, that is divided by
+#define LEAST_FRACTION 1e-6  // smallest divisor for a position's fraction
 #define BELOW_ONE 0.999999   // the largest uniform number
 
-// Where a view is among the rows, 0 to W_VIEWS - 1.
+// The position of a view among the rows, 0 to W_VIEWS - 1.
 float view_place(float mu)
 {
     float along = clamp(acos(clamp(mu, 0.0, 1.0)) / W_STEEPEST, 0.0, 1.0);
     return (W_VIEWS - 1) * (1.0 - pow(1.0 - along, 1.0 / W_CROWDED));
 }
 
-// One of the two whole numbers beside a place, up to `last`, by the number `chance`, which is stretched for another
-// use.
+// One of the two whole numbers beside the position `place`, at most `last`. The uniform number `chance` chooses, in
+// proportion to how near they are, and is then stretched to 0..1 for another use.
 int beside(float place, int last, output float chance)
 {
     int low = clamp((int)place, 0, last - 1);
@@ -35,7 +38,7 @@ int beside(float place, int last, output float chance)
 }
 
 #if W_RANGES
-// Where a driven parameter is among its steps, 0 to steps - 1, in each channel.
+// The position of a driven parameter among its steps, 0 to steps - 1, in each channel.
 color range_place(color value, float least, float most, int steps, int geometric)
 {
     color at = clamp(value, color(least), color(most));
@@ -43,8 +46,8 @@ color range_place(color value, float least, float most, int steps, int geometric
     return (steps - 1) * along;
 }
 
-// The share, in each channel, that a set has in what is between sets: sets of the last parameter's steps are
-// neighbours.
+// The weight of a set, in each channel, in the linear interpolation between sets. The last parameter's step changes
+// fastest from set to set.
 color set_share(int set, color places[W_RANGES], int steps[W_RANGES])
 {
     color share = 1.0;
@@ -57,20 +60,22 @@ color set_share(int set, color places[W_RANGES], int steps[W_RANGES])
     return share;
 }
 
-// Where the set begins that a hit takes, by `chance`, which is stretched for another use, and what it weighs in each
-// channel. Sets are taken as often as they are bright; `slots` tells where each is, -1 of those that are black.
+// Chooses a hit's set. Returns the offset of its first number, and its `weight` in each channel. The uniform number
+// `chance` chooses, in proportion to the sets' light at this hit, and is then stretched to 0..1 for another use.
+// `storage_index` has the index of each set among the stored ones; that of a black set, which is not stored, is -1.
 int choose_set(float w[], color places[W_RANGES], int steps[W_RANGES], int storage_index[W_SETS], output float chance,
                 output color weight)
 {
-    // How much light each set has at this hit.
+    // The light of each set at this hit.
     float likely[W_SETS];
     float all = 0.0;
     for (int i = 0; i < W_SETS; i += 1) {
         color share = set_share(i, places, steps);
-        likely[i] = storage_index[i] < 0 ? 0.0 : (share[0] + share[1] + share[2]) * w[W_SET * storage_index[i] + W_HEAD - 1];
+        likely[i] = storage_index[i] < 0 ? 0.0 : (share[0] + share[1] + share[2])
+                                                     * w[W_SET * storage_index[i] + W_HEAD - 1];
         all += likely[i];
     }
-    // The set that `chance` falls on.
+    // The set that `chance` falls on, in the cumulative sum.
     float remaining = chance * all;
     int set = 0;
     while (set < W_SETS - 1 && remaining >= likely[set]) {
@@ -86,7 +91,7 @@ int choose_set(float w[], color places[W_RANGES], int steps[W_RANGES], int stora
 }
 #endif
 
-// Where the row begins that a view is given, in the set that begins at `set`.
+// Chooses a view's row in the set that begins at `set`. Returns the offset of its first number.
 int choose_row(int set, vector view, float place, float number)
 {
     float chance = number;
@@ -101,8 +106,8 @@ int choose_row(int set, vector view, float place, float number)
 }
 
 #if W_AZIMUTHS > 1 && !W_WHOLE
-// A frame turned so that the view is on the positive side of both axes, as rows of views are: what is stretched along
-// axes is the same on either side of them.
+// The frame with axes flipped so that the view is on the positive side of both, as the rows' views are. A stretched
+// formula is its own mirror image about both axes.
 Frame first_quadrant(Frame frame)
 {
     Frame f = frame;

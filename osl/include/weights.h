@@ -1,22 +1,26 @@
-// Rendering by rows of baked weights: the base closures of a row, and splats in its cells. See rows.h.
+// The closures of lobe rows: a row's base, and kernels in the cells of its residual. See rows.h.
 
 #include "beckmann.h"
 
-#define KERNEL_WIDTH 1.2         // width of a splat's facet, of its cell's size
-#define OVER_HORIZON 0.25 // most width of a splat, of its light's height: little of it may reach below
-#define POINTED 1.25      // about the middle of rings cells end in a point: within this many of their lengths
-#define POINTED_SLOPE 0.25   // splats are wide across, less and less
-#define LARGE_RESIDUAL 0.05    // of the light: where all samples per hit are drawn
-#define SMALL_RESIDUAL 0.02  // of the light: with less, splats are drawn at fewer hits, and are heavier,
-#define LEAST_CHANCE 0.05 // but not at fewer than this
-#define UNSEEN 1e-5       // weight of what is left out
-#define LEAST_UP 0.1      // cosine of a half vector, that is divided by
+#define KERNEL_WIDTH 1.2     // width of a kernel's facet, in parts of its cell's size
+#define OVER_HORIZON 0.25    // largest width of a kernel, in parts of the sine of its light's height
+// Cells in the middle of the rings end in a point. At the distance s from the middle a kernel is at least
+// POINTED - POINTED_SLOPE s / length times as wide as it is long, clamped to 0..1.
+#define POINTED 1.25
+#define POINTED_SLOPE 0.25
+#define LARGE_RESIDUAL 0.05  // albedo of the residual from which on a hit takes all samples
+#define SMALL_RESIDUAL 0.02  // albedo of the residual below which fewer hits have kernels, and these are heavier
+#define LEAST_CHANCE 0.05    // least share of hits that have kernels
+#define UNSEEN 1e-5          // closures with a smaller weight are skipped
+#define LEAST_UP 0.1         // smallest divisor for a half vector's cosine
 
+// The color at an offset: one number, or three.
 color row_color(float w[], int at)
 {
     return W_CHANNELS == 3 ? color(w[at], w[at + 1], w[at + 2]) : color(w[at]);
 }
 
+// A Beckmann closure whose normal leans by `slopes`, of widths along and across the tangent `along`.
 closure color row_facet(Frame f, vector slopes, float alpha_x, float alpha_y, vector along, color weight)
 {
     vector facet = normalize(slopes);
@@ -25,6 +29,7 @@ closure color row_facet(Frame f, vector slopes, float alpha_x, float alpha_y, ve
                                alpha_x, alpha_y, 0.0, 0);
 }
 
+// The base of the row that begins at `row`.
 closure color row_base(Frame f, float w[], int row)
 {
     closure color sum = 0;
@@ -44,6 +49,7 @@ closure color row_base(Frame f, float w[], int row)
     return sum;
 }
 
+// The perfect mirror of a set, between the two angles beside the position `place` of the view.
 closure color row_spike(Frame f, float w[], int set, float place)
 {
     closure color spike = 0;
@@ -57,30 +63,30 @@ closure color row_spike(Frame f, float w[], int set, float place)
     return spike;
 }
 
-// A step across the normal, as one on the sphere of half vectors.
+// The step on the sphere of half vectors for a `step` in the plane across the normal.
 vector on_sphere(vector h, vector step)
 {
     return step - vector(0.0, 0.0, dot(step, h) / max(h[2], LEAST_UP));
 }
 
-// A cell of a row, and the place in it where a splat is put.
+// A cell of a row, and the point in it about which a kernel lies.
 struct Cell {
-    int at;         // of its energy in the row
-    float s;        // size of the ring through the place,
-    float low;      // of the cell's edges,
-    float high;
-    float around;   // and the angle that the cell spans
-    vector out;     // half vectors move so, along the plane, with s, and with the angle
-    vector turned;
-    vector h;       // half vector of the place
-    vector light;
+    int at;         // offset of the cell's energy
+    float s;        // size of the ring through the point
+    float low;      // size of the cell's inner edge
+    float high;     // size of the cell's outer edge
+    float around;   // angle that the cell spans
+    vector out;     // derivative of the half vector by s, in the plane across the normal
+    vector turned;  // the same by the angle, in parts of s
+    vector h;       // half vector of the point
+    vector light;   // its light direction
 };
 
-// The cell that the numbers u, v in 0..1 choose, at the place in it that their rests do.
+// The cell that the uniform numbers u, v choose, and the point in it that their fractions choose.
 Cell draw_cell(Frame f, float w[], int set, int row, float u, float v)
 {
     Cell c;
-    // Of round formulas cells are on both sides of the plane of incidence.
+    // Round formulas have the same cells on both sides of the plane of incidence: v chooses the side.
     float ring = W_RINGS * u;
 #if W_AZIMUTHS > 1
     float side = 1.0;
@@ -92,7 +98,7 @@ Cell draw_cell(Frame f, float w[], int set, int row, float u, float v)
     int i = min((int)ring, W_RINGS - 1);
     int j = min((int)turn, W_AROUND - 1);
     c.at = row + W_ENERGY + W_CHANNELS * (W_AROUND * i + j);
-    // The place: even in area, and in the angle.
+    // The point: uniform in area, and in the angle.
     int edge = row + W_TURNS + (W_AROUND + 1) * i + j;
     c.low = w[row + W_CELLS + i];
     c.high = w[row + W_CELLS + i + 1];
@@ -107,13 +113,13 @@ Cell draw_cell(Frame f, float w[], int set, int row, float u, float v)
     return c;
 }
 
-// A facet of a weight about a cell's place, whose light is above the horizon by the sine `height`.
+// The kernel about a cell's point: a microfacet closure. `height` is the sine of the light's height above the horizon.
 closure color row_kernel(Frame f, Cell c, float height, float spread, color weight)
 {
-    // Lights move twice as fast as half vectors: little of a splat may reach below the horizon.
+    // Little of a kernel may reach below the horizon. Lights move twice as fast as half vectors.
     float most = max(OVER_HORIZON * height, NARROWEST_FACET);
-    // The ellipse that two sides of the cell span, of half vectors. About the middle of rings cells end in a point:
-    // splats that are narrow across and reach over it would all pile up there, by as much as they are longer.
+    // The ellipse of half vectors that two sides of the cell span. Cells in the middle of the rings end in a point:
+    // kernels that are narrow across and reach over that point would all overlap there.
     float length = c.high - c.low;
     float across = max(c.s * c.around, length * clamp(POINTED - POINTED_SLOPE * c.s / length, 0.0, 1.0));
     vector a = spread * KERNEL_WIDTH * length * on_sphere(c.h, c.out);
@@ -125,7 +131,7 @@ closure color row_kernel(Frame f, Cell c, float height, float spread, color weig
                          cos(angle) * e.e1 + sin(angle) * e.e2, weight);
 }
 
-// Splats in cells of the row that begins at `row`, put before the `spike`.
+// Kernels in cells of the row that begins at `row`, put before the `spike`.
 closure color row_kernels(Frame f, float w[], int set, int row, Draws draws, vector up, closure color spike)
 {
     closure color sum = spike;
@@ -141,12 +147,14 @@ closure color row_kernels(Frame f, float w[], int set, int row, Draws draws, vec
     return sum;
 }
 
+// All closures of a hit: the base, kernels, and the spike, of the set that begins at `set`.
 closure color estimate_rows(Frame f, float w[], int set, Draws requested, vector up)
 {
     float place = view_place(f.view[2]);
     int row = choose_row(set, f.view, place, requested.numbers[2]);
     closure color sum = row_spike(f, w, set, place);
-    // At few hits where little is left. The number that decides is uniform again below what it is held against.
+    // Few hits have kernels where the residual is small. The number that chooses is uniform below `chance`: it is
+    // stretched for another use.
     float residual = w[row];
     Draws draws = requested;
     draws.count = clamp((int)ceil(requested.count * residual / LARGE_RESIDUAL), 1, requested.count);

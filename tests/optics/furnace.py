@@ -11,18 +11,18 @@ SIGMAS = comparison.SIGMAS
 FURNACE_BOUND, FURNACE_NOISE = 2e-3, 7e-4  # of the albedo
 
 
-def sharpened(measure, count, wanted, most=1 << 14):
+def sharpened(measure_rows, count, wanted, most=1 << 14):
     """A Measurement of `count` rows with as many samples, 64 to `most`, as a noise below `wanted` needs in each.
 
-    `measure(rows, samples, seed)` measures some of them. A first look at all tells how many samples a row needs; it is
+    `measure_rows(rows, samples, seed)` measures some of them. A first look at all tells how many samples a row needs; it is
     not kept where it was too noisy: what it happened to show must not choose.
     """
-    value, noise = measure(np.arange(count), 64, 0)
+    value, noise = measure_rows(np.arange(count), 64, 0)
     needed = np.minimum(64 * (noise.max(axis=1) / (0.8 * wanted)) ** 2, most)
     for low, high in itertools.pairwise((64, 256, 1024, 4096, 1 << 14)):
         again = np.nonzero((needed > low) & (needed <= high))[0]
         if len(again):
-            value[again], noise[again] = measure(again, int(np.ceil(min(1.2 * needed[again].max(), most))), 1)
+            value[again], noise[again] = measure_rows(again, int(np.ceil(min(1.2 * needed[again].max(), most))), 1)
     return measure.Measurement(value, noise)
 
 

@@ -1,7 +1,7 @@
 """f (N·L) at single directions, in parts of a lobe's peak."""
 import numpy as np
 
-from addon import brdf
+from addon import brdf, measure
 from optics.directions import rgb
 from optics.furnace import sharpened
 
@@ -20,8 +20,8 @@ def peak_of(model, parameters, view):
 
 def directions_of(material, view_deg, lights, peak, most):
     """f (N·L) in parts of `peak`, from so many samples, up to `most`, that the noise is below POINT_WANTED."""
-    def measure(rows, samples, seed):
+    def measure_rows(rows, samples, seed):
         f, noise = measure.goniometer(material, view_deg, lights[rows], samples=samples, seed=seed)
         return f * lights[rows, 2:] / peak, noise * lights[rows, 2:] / peak
 
-    return sharpened(measure, len(lights), POINT_WANTED, most)
+    return sharpened(measure_rows, len(lights), POINT_WANTED, most)

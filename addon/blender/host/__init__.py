@@ -1,1 +1,1 @@
-"""Blender as a host: settings, folders, the cache on disk, translation, redrawing."""
+"""Services on top of Blender: settings, folders, the cache on disk, translation, redrawing."""

@@ -1,24 +1,26 @@
-"""The asset library that comes with the extension: presets as materials, models as nodes, to drag and drop."""
+"""The extension's asset library, for drag and drop: presets as materials, models as nodes."""
 import bpy
 
 from ...assets import LIBRARY
 
+# Name of the library in the preferences.
 NAME = "Plausible BRDF"
 
 
 def start():
-    """Add the library to the preferences, in place of one that an earlier start left there."""
+    """Add the library to the preferences, in place of one that an earlier session left there."""
     stop()
     if LIBRARY.is_file():
         library = bpy.context.preferences.filepaths.asset_libraries.new(name=NAME, directory=str(LIBRARY.parent))
-        # What is dragged in becomes the file's own: the extension may go. Newer versions know one way to append.
-        known = type(library).bl_rna.properties["import_method"].enum_items
-        library.import_method = "APPEND" if "PACK" in known else "APPEND_REUSE"
+        # Assets are appended, so that files do not depend on the extension. Newer versions of Blender, which also offer
+        # "PACK", have a single method of appending.
+        methods = type(library).bl_rna.properties["import_method"].enum_items
+        library.import_method = "APPEND" if "PACK" in methods else "APPEND_REUSE"
         library.use_relative_path = False
 
 
 def stop():
-    """Take the library out of the preferences."""
+    """Remove the library from the preferences."""
     libraries = bpy.context.preferences.filepaths.asset_libraries
-    for library in [each for each in libraries if each.name == NAME]:
+    for library in [entry for entry in libraries if entry.name == NAME]:
         libraries.remove(library)

@@ -1,4 +1,4 @@
-"""German words of the interface."""
+"""German translations of the interface: English text to German text."""
 GERMAN = {
     # Panels, menus, operators.
     "Plausible": "Plausible",

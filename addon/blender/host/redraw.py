@@ -1,12 +1,13 @@
-"""The areas of the window that show our panels."""
+"""Redraws of the areas that show the extension's panels."""
 import bpy
 
-_SHOWING = ("PROPERTIES", "NODE_EDITOR", "PREFERENCES")
+# Types of areas with panels of the extension.
+_AREA_TYPES = ("PROPERTIES", "NODE_EDITOR", "PREFERENCES")
 
 
 def redraw():
-    """Have the panels drawn again."""
+    """Request a redraw of the panels."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
-            if area.type in _SHOWING:
+            if area.type in _AREA_TYPES:
                 area.tag_redraw()

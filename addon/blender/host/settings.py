@@ -1,4 +1,4 @@
-"""What the user has set in the preferences; the defaults where the package is imported by itself."""
+"""The user's preferences, or defaults where the package is imported outside Blender's extensions."""
 from pathlib import Path
 
 import bpy
@@ -6,23 +6,26 @@ import bpy
 from ...models.parameters import ESTIMATOR
 from ...resources import ROOT
 
-ROOT_PACKAGE = __package__.rsplit(".", 3)[0]  # "bl_ext.<repository>.plausible_brdf" inside Blender, else "addon"
-CACHE_LIMIT = 200  # MB
+# "bl_ext.<repository>.plausible_brdf" as an extension, else "addon".
+ROOT_PACKAGE = __package__.rsplit(".", 3)[0]
+# Default of the preference, in MB.
+CACHE_LIMIT = 200
 MANUAL = ROOT / "docs" / "manual.html"
-BY_USER = ("samples", "light_spread")  # parameters of new materials
+# Parameters whose value in new materials is a preference.
+BY_USER = ("samples", "light_spread")
 DEFAULTS = {parameter.id: parameter for parameter in ESTIMATOR if parameter.id in BY_USER}
 
 
 def preferences():
-    """The extension's preferences, or None where it is not enabled as one."""
+    """The extension's preferences, or None where it is not enabled as an extension."""
     entry = bpy.context.preferences.addons.get(ROOT_PACKAGE)
     return entry and entry.preferences
 
 
 def granted_folder(name: str, create=False):
-    """The folder `name` that Blender grants this extension for files of its own, as a Path.
+    """The folder `name` in the directory that Blender reserves for this extension's files, as a Path.
 
-    None outside of Blender's extensions. Raises OSError where it is to be created and cannot be.
+    None where the package is not an extension. Raises OSError if `create` is set and the folder cannot be created.
     """
     if not ROOT_PACKAGE.startswith("bl_ext."):
         return None
@@ -33,19 +36,19 @@ def granted_folder(name: str, create=False):
 
 
 def lut_folder() -> str:
-    """The folder of albedo tables that the user chose, as an absolute path; "" where none."""
-    chosen = preferences()
-    return bpy.path.abspath(chosen.lut_folder) if chosen and chosen.lut_folder.strip() else ""
+    """The user's folder of albedo tables, as an absolute path; "" where the preference is empty."""
+    user = preferences()
+    return bpy.path.abspath(user.lut_folder) if user and user.lut_folder.strip() else ""
 
 
 def cache_limit() -> int:
-    """Bytes that the cache may hold."""
-    chosen = preferences()
-    # A file of preferences that was damaged may hold what its property does not allow.
-    return 1_000_000 * max(chosen.cache_limit if chosen else CACHE_LIMIT, 0)
+    """The size limit of the cache in bytes, 0 or more."""
+    user = preferences()
+    # A damaged preferences file may contain a value outside the property's range.
+    return 1_000_000 * max(user.cache_limit if user else CACHE_LIMIT, 0)
 
 
 def for_new(model) -> dict:
-    """Values for a new material of `model`, by parameter id, as far as it has these parameters."""
-    chosen, known = preferences(), {parameter.id for parameter in model.parameters}
-    return {name: DEFAULTS[name].clamp(getattr(chosen, name)) for name in BY_USER if chosen and name in known}
+    """The preferences' values for a new material, by parameter id, of those parameters that `model` has."""
+    user, ids = preferences(), {parameter.id for parameter in model.parameters}
+    return {name: DEFAULTS[name].clamp(getattr(user, name)) for name in BY_USER if user and name in ids}

@@ -14,7 +14,7 @@ from .sockets import by_id, values
 
 # Custom property of a group: the values that its OSL program was made for, as JSON; see `key_of`.
 BAKED_KEY = "plausible_baked"
-# Custom property of a group: the largest relative errors of its lobe rows up to 80 degrees, (of the lobe, of the albedo).
+# Custom property of a group: the largest errors of its lobe rows up to 80 degrees, (of the lobe, of the albedo).
 ERROR_KEY = "plausible_baked_error"
 
 
@@ -36,12 +36,15 @@ def is_stale(node) -> bool:
 
 
 def baked_error(node):
-    """Largest relative errors (of the lobe, of the albedo) of a node's lobe rows up to 80 degrees; None if unknown."""
+    """Largest errors (of the lobe, of the albedo) of a node's lobe rows up to 80 degrees; None if unknown.
+
+    Both are fractions of the albedo, see `error.RowsError`.
+    """
     return pair_of(node.node_tree.get(ERROR_KEY))
 
 
 def target(node) -> tuple:
-    """({id: value} of the other parameters, {id: (least, most)} of the driven ones) that a node's program has to fit."""
+    """({id: value} of the other parameters, {id: (least, most)} of the driven ones): the input of a node's program."""
     ranges = driven.ranges(node)
     return {name: value for name, value in values(node).items() if name not in ranges}, ranges
 
@@ -57,7 +60,7 @@ def bake(node, error: tuple | None = None):
 
 
 def record(node, error: tuple | None = None, ranges: dict | None = None):
-    """Record the values and `ranges` that the node's program was made for and the error of its rows; update the fallback.
+    """Record the values and `ranges` that the node's program was made for and its rows' error, and update the fallback.
 
     Measures the error if `error` is None. Does nothing where the program follows the sockets.
     """

@@ -1,4 +1,4 @@
-"""Weights of baked models, made in the background when a material's values have rested: the window stays usable."""
+"""Background bakes of lobe rows, after a pause in the changes of a material's values. The window stays usable."""
 import threading
 
 import bpy
@@ -8,16 +8,17 @@ from ...forms.rows import grid
 from ..host.redraw import redraw
 from . import baked_state, driven, groups
 
-REST = 0.3  # seconds that values rest before their weights are baked
+REST = 0.3  # seconds without a change of values before their lobe rows are baked
 _TICK = 0.1  # seconds between two looks at a bake
-_jobs = {}  # material name -> _Job
-_given_up = {}  # material name -> (what its program was to be made for, see `baked_state.target`; why it was not)
+_jobs = {}  # full name of a material -> its _Job
+# Bakes that failed or were canceled: full name of a material -> (`baked_state.target` of the bake, error message or None).
+_failures = {}
 
 
 def soon(material):
-    """Bake a material's weights when its values have rested for a moment; a bake for older values is dropped."""
+    """Bake a material's lobe rows after a pause of REST seconds. A running bake for older values is dropped."""
     name = material.name_full
-    _given_up.pop(name, None)
+    _failures.pop(name, None)
     if name not in _jobs:
         _jobs[name] = _Job(name)
         _jobs[name].start()
@@ -25,13 +26,13 @@ def soon(material):
 
 
 def follow(material, node):
-    """`soon`, where a material's node is stale, unless a bake for what it holds was cancelled or failed before."""
-    if baked_state.is_stale(node) and _given_up.get(material.name_full, (None,))[0] != baked_state.target(node):
+    """As `soon` if the material's node is stale, unless a bake for the same values failed or was canceled before."""
+    if baked_state.is_stale(node) and _failures.get(material.name_full, (None,))[0] != baked_state.target(node):
         soon(material)
 
 
 def where_stale(node):
-    """Bake a node's weights where they are for other values: soon, or at once where nothing is done later.
+    """Bake a node's lobe rows if they are stale: as `soon`, or at once in background mode and inside a group.
 
     Raises as `baked_state.bake`.
     """
@@ -45,105 +46,116 @@ def where_stale(node):
 
 
 def settle(node):
-    """Note what a node that `baked_state.take_over` made is baked for, or bake it over the ranges of what drives it."""
+    """Complete a node made by `baked_state.take_over`: record its values, or bake it over ranges if it is driven."""
     if not driven.ranges(node):
         baked_state.record(node)
     where_stale(node)
 
 
 def is_running(material) -> bool:
-    """Whether weights are being made for a material, or wait for its values to rest."""
+    """Whether a bake of a material's lobe rows runs, or waits for a pause in the changes of its values."""
     return material.name_full in _jobs
 
 
 def progress(material) -> tuple:
-    """(done, total) sets of weights of a material's bake; (0, 1) before it begins."""
+    """(done, total) nodes of the parameter grid in a material's bake; (0, 1) before it begins."""
     job = _jobs.get(material.name_full)
     return job.work.progress if job and job.work else (0, 1)
 
 
 def problem(material, node) -> str | None:
-    """Why a material's weights could not be made for what its node holds, where that was tried."""
-    wanted, reason = _given_up.get(material.name_full, (None, None))
-    return reason if reason and wanted == baked_state.target(node) else None
+    """The error of the bake for the present values of a material's node; None where no such bake failed."""
+    target, reason = _failures.get(material.name_full, (None, None))
+    return reason if reason and target == baked_state.target(node) else None
 
 
 def cancel(material):
-    """Drop a material's bake: its weights stay as they are, until its values change again."""
+    """Cancel a material's bake. Its lobe rows stay as they are until its values change again."""
     job = _jobs.get(material.name_full)
     if job is not None:
         job.drop()
-        _given_up[job.name] = baked_state.target(groups.find_node(material)), None
+        _failures[job.name] = baked_state.target(groups.find_node(material)), None
 
 
 def stop():
-    """Drop all bakes; what a thread still computes is thrown away."""
+    """Drop all bakes, and the results of threads that still run."""
     for job in list(_jobs.values()):
         job.drop()
-    _given_up.clear()
+    _failures.clear()
 
 
 class _Dropped(Exception):
-    """The bake is not wanted any longer."""
+    """Ends the thread of a bake that was dropped."""
 
 
 class _Job:
-    """One material's bake. The thread never touches bpy; `look` runs in Blender's main loop until all is done."""
+    """The bake of one material: a thread, which never uses bpy, and the timer `look` in Blender's main loop."""
 
     def __init__(self, name):
-        self.name, self.rested, self.work = name, False, None
-        self.timer = self.look  # Blender knows a timer by the object
+        self.name = name
+        self.rested = False  # whether the values have stayed the same for REST seconds
+        self.work = None  # the latest _Work
+        self.timer = self.look  # kept, as Blender identifies a timer by the function object
 
     def start(self):
-        """Begin to look, also on when another file is opened, as that has materials of its own."""
+        """Start the timer. It persists when another file is opened, where the job ends as its material is missing."""
         bpy.app.timers.register(self.timer, first_interval=REST, persistent=True)
 
     def rest(self):
-        """Values have changed: wait for them to rest once more."""
+        """Wait again for a pause, after a change of values."""
         self.rested = False
 
     def drop(self):
-        """End without a result."""
+        """End the job without a result."""
         if bpy.app.timers.is_registered(self.timer):
             bpy.app.timers.unregister(self.timer)
         self._end()
 
     def look(self):
-        """Seconds until the next look; None when there is nothing left to do, or it cannot be done: that is told."""
+        """The timer: returns the seconds until the next call, or None at the end of the job. Prints errors."""
         if _jobs.get(self.name) is not self:
             return None
         try:
             return self._look()
-        except (RuntimeError, ValueError, OSError) as error:  # as where a file of the extension is gone
+        except (RuntimeError, ValueError, OSError) as error:  # for example a missing file of the extension
             return self._fail(error)
 
     def _look(self):
+        """One step of the job; returns as `look`."""
+        # End if the material is gone, or nothing is stale any more.
         node = groups.find_node(next((m for m in bpy.data.materials if m.name_full == self.name), None))
         if node is None or not baked_state.is_stale(node):
             return self._end()
+        # Wait for a pause in the changes.
         if not self.rested:
             self.rested = True
             return REST
-        wanted = baked_state.target(node)
+        # A running thread goes on, unless the values have changed since it started.
+        target = baked_state.target(node)
         if self.work is not None and self.work.is_alive():
-            self.work.dropped = self.work.wanted != wanted
+            self.work.dropped = self.work.target != target
             redraw()
             return _TICK
-        if groups.backend_of(node).is_cached(groups.model_of(node), *wanted):
+        # A cached program needs no thread.
+        if groups.backend_of(node).is_cached(groups.model_of(node), *target):
             baked_state.bake(node)
             return self._end()
-        if self.work is None or self.work.wanted != wanted or isinstance(self.work.error, _Dropped):
-            self.work = _Work(groups.model_of(node), wanted)
+        # Start a thread if there is none for these values.
+        if self.work is None or self.work.target != target or isinstance(self.work.error, _Dropped):
+            self.work = _Work(groups.model_of(node), target)
             self.work.start()
             return _TICK
-        if self.work.error is not None:  # the weights stay stale, which the panel shows
-            return self._fail(self.work.error, wanted)
-        baked_state.bake(node, self.work.largest)  # at once: the thread's weights are kept
+        # The thread has ended. After an error the rows stay stale, which the panel shows.
+        if self.work.error is not None:
+            return self._fail(self.work.error, target)
+        # This is fast, as `grid.bake` keeps the rows that the thread baked.
+        baked_state.bake(node, self.work.largest)
         return self._end()
 
-    def _fail(self, error, wanted=None):
-        if wanted is not None:
-            _given_up[self.name] = wanted, str(error)
+    def _fail(self, error, target=None):
+        """End the job with an error; it is remembered for `problem` if its `target` is known."""
+        if target is not None:
+            _failures[self.name] = target, str(error)
         print(f"Plausible BRDF: {self.name}: {error}")
         return self._end()
 
@@ -156,22 +168,27 @@ class _Job:
 
 
 class _Work(threading.Thread):
-    """Bakes the weights of a model for (values, ranges of the driven), and measures their error."""
+    """A thread that bakes the lobe rows of a model for `target`, see `baked_state.target`, and measures their error.
 
-    def __init__(self, model, wanted):
-        super().__init__(name="Plausible BRDF weights", daemon=True)
-        self.model, self.wanted = model, wanted
+    `largest` is the rows' error, see `baked_state.baked_error`; `error` the exception that ended the thread.
+    """
+
+    def __init__(self, model, target):
+        super().__init__(name="Plausible BRDF lobe rows", daemon=True)
+        self.model, self.target = model, target
         self.largest, self.error = None, None
-        self.progress, self.dropped = (0, 1), False
+        self.progress = (0, 1)  # (done, total)
+        self.dropped = False  # set by the main thread to end this one
 
     def run(self):
         try:
-            grid.bake(self.model, *self.wanted, tell=self._tell)
-            self.largest = rows_error.largest(self.model, *self.wanted)
-        except Exception as error:  # a thread has no caller: `look` tells
+            grid.bake(self.model, *self.target, tell=self._update_progress)
+            self.largest = rows_error.largest(self.model, *self.target)
+        except Exception as error:  # a thread has no caller: `look` reports the error
             self.error = error
 
-    def _tell(self, *progress):
+    def _update_progress(self, *progress):
+        """Record (done, total). Raises _Dropped after the job was dropped."""
         self.progress = progress
         if self.dropped:
             raise _Dropped("the bake was dropped")

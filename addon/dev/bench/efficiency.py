@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ...measure import scene, standards
+from ...measure import standards
+from ...measure.scene import BALL, SUN_ENERGY, MeasureError, MeasuringScene, require_blender
 
 FURNACE, SKY, AREA, SUN, FULL = "furnace", "hdri", "area", "sun", "room"
 SCENES = (FURNACE, SKY, AREA, SUN, FULL)
@@ -55,10 +56,10 @@ class Efficiency:
 
 def hdri_of_blender() -> str:
     """An HDRI that comes with Blender. Raises MeasureError where it is missing."""
-    bpy = scene.require_blender()
+    bpy = require_blender()
     path = Path(bpy.utils.resource_path("LOCAL")) / "datafiles" / "studiolights" / "world" / "courtyard.exr"
     if not path.is_file():
-        raise scene.MeasureError(f"this Blender lacks the HDRI {path.name}: name another")
+        raise MeasureError(f"this Blender lacks the HDRI {path.name}: name another")
     return str(path)
 
 
@@ -94,7 +95,7 @@ def measure(candidates, scene: str, effort, resolution=64, hdri=None) -> list:
 
 @contextlib.contextmanager
 def _lit(candidate, scene, resolution, hdri):
-    with scene.MeasuringScene(candidate.material, scene.BALL, resolution) as place:
+    with MeasuringScene(candidate.material, BALL, resolution) as place:
         place.scene.cycles.shading_system = candidate.osl
         if scene == FURNACE:
             place.sky(1.0)
@@ -103,7 +104,7 @@ def _lit(candidate, scene, resolution, hdri):
         if scene in (AREA, FULL):
             place.shine("AREA", LAMP_DIRECTION, energy=100.0, size=LAMP_SIZE, distance=LAMP_DISTANCE)
         if scene == SUN:
-            place.shine("SUN", LAMP_DIRECTION, energy=scene.SUN_ENERGY, angle=0.0)
+            place.shine("SUN", LAMP_DIRECTION, energy=SUN_ENERGY, angle=0.0)
         if scene == FULL:
             place.floor(standards.native("DIFFUSE", reflectance=FLOOR))
             place.bounces(BOUNCES)
