@@ -1,10 +1,11 @@
 """Baked weights: what a row of them draws is the formula, by integrals that share nothing with the bake."""
 from dataclasses import replace
 
+import kept_bakes
 import numpy as np
 import pytest
 from optics.names import name_of
-from optics.shapes import COPPER
+from optics.shapes import COPPER, STRETCHED
 from truth.hemisphere import even_lights, half_vector_lights
 from truth.rows import Row
 
@@ -18,10 +19,8 @@ CASES = [
     ("ashikhmin_shirley", {"base_color": (0.9, 0.5, 0.2), "diffuse_color": (0.1, 0.1, 0.5), "exponent_u": 5.0,
                            "exponent_v": 5.0}),
     ("phong_original", {"exponent": 1.0}), ("pumped_cook_torrance", {"roughness": 0.4}),
-    ("pumped_lafortune", {"pumps": 3.0}),
+    ("pumped_lafortune", {"pumps": 2.0}),
 ]
-STRETCHED = [("ward", {"roughness_u": 0.4, "roughness_v": 0.1}), ("kajiya_kay", {"exponent": 20.0}),
-             ("ashikhmin_shirley", {"exponent_u": 10.0, "exponent_v": 200.0})]
 ROWS = (0, 15, 30, 40)  # up to 77 degrees
 
 
@@ -88,7 +87,8 @@ def test_what_is_left_to_splats():
 @pytest.mark.parametrize("name, given", [("ward", {}), STRETCHED[0], ("he_torrance", {})], ids=name_of)
 def test_blank_weights_are_as_long_as_baked_ones(name, given):
     blank, baked = weights.blank(MODELS[name], given), weights.weights(MODELS[name], given)
-    assert blank.layout == baked.layout and blank.channels == baked.channels
+    assert blank.layout.stretch == pytest.approx(baked.layout.stretch, rel=1e-6)  # single precision in the baked ones
+    assert replace(blank.layout, stretch=baked.layout.stretch) == baked.layout and blank.channels == baked.channels
     assert blank.rows.shape == baked.rows.shape and blank.spikes.shape == baked.spikes.shape
 
 
@@ -102,6 +102,7 @@ def test_spikes_are_kept_apart():
 
 def test_weights_are_kept_and_the_same_again():
     model, given = MODELS["blinn_original"], {"exponent": 33.0}
+    kept_bakes.allow(False)
     baked = weights.weights(model, given)
     assert weights.weights(model, {"exponent": 33.0, "samples": 2}) is baked
     weights._weights.cache_clear()
