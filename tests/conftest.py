@@ -8,6 +8,7 @@ import json
 import os
 import time
 
+import kept_bakes
 import numpy as np
 import pytest
 import versions
@@ -17,6 +18,24 @@ from addon.brdf import MODELS
 from addon.forms.albedo import tables
 from addon.forms.rows import error as rows_error
 from addon.forms.rows import grid, layout, lobe_rows, row_bake
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _kept_bakes_of_the_run(tmp_path_factory):
+    """Bakes are kept for all processes of the run; see kept_bakes.py."""
+    own = tmp_path_factory.getbasetemp()
+    together = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+    kept_bakes.use(os.environ.get("PLAUSIBLE_BAKES") or together / "bakes")
+    kept_bakes.keep(row_bake, "_baked")
+
+
+@pytest.fixture(autouse=True)
+def _bakes_are_kept(request):
+    """But not those of tests that may have changed how they come out."""
+    changes = "monkeypatch" in request.fixturenames and not request.node.get_closest_marker("keeps_bakes")
+    kept_bakes.allow(not changes)
+    yield
+    kept_bakes.allow(False)
 
 
 @pytest.fixture

@@ -23,7 +23,7 @@ from addon.models.geometry import dot, half, mirror, normalize
 from addon.models.lobes import BLINN, PHONG
 from addon.statistics import chi_square
 
-pytestmark = pytest.mark.blender
+pytestmark = [pytest.mark.blender, pytest.mark.keeps_bakes]
 
 WRONG = 1e-3  # chance that a sound sampler fails anywhere in this file
 SIZE, FINE = 1000, (200, 100)  # a million draws in 20 000 cells

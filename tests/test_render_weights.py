@@ -17,7 +17,7 @@ from optics.lamp import total_under_the_lamp
 from optics.names import name_of
 from optics.plane import LEANING, is_striped, picture_of, plane
 from optics.points import POINT_BOUND
-from optics.shapes import COPPER
+from optics.shapes import RENDERED, STRETCHED
 from optics.sun import TOTAL_BOUND, TOTAL_NOISE, Sun
 
 from addon import brdf, create_material, measure
@@ -28,27 +28,12 @@ from addon.models.geometry import view_at
 pytestmark = pytest.mark.blender
 
 ANGLES = (1.0, 45.0, 70.0, 82.0)
-# Each model, at least once; the plain ones at the ends of their shapes.
-SHAPES = [
-    ("ward", {}), ("ward", {"roughness_u": 0.01, "roughness_v": 0.01}),
-    ("ward", {"roughness_u": 1.0, "roughness_v": 1.0}),
-    ("ward_duer", {"diffuse_color": (0.1, 0.2, 0.3)}), ("ward_bounded", {"roughness_u": 0.4, "roughness_v": 0.4}),
-    ("cook_torrance", COPPER), ("cook_torrance", {"roughness": 0.7}), ("cosine_microfacet", {"exponent": 2.0}),
-    ("he_torrance", {}), ("he_torrance", {"sigma": 0.02, **COPPER}), ("he_torrance", {"sigma": 1.0, "tau": 3.0}),
-    ("embrechts", {"smoothness": 2.0}), ("ashikhmin_shirley", {"base_color": 0.5, "diffuse_color": 0.5}),
-    ("lafortune", {}), ("phong_original", {"exponent": 3.0}), ("blinn_original", {"exponent": 10000.0}),
-    ("blinn_fresnel", {"exponent": 12.0, **COPPER, "diffuse_color": (0.1, 0.1, 0.1)}), ("weighted_lobes", {}),
-    ("pumped_ward", {"roughness_u": 0.3}), ("pumped_ward_duer", {"pumps": 2.0}), ("pumped_cook_torrance", COPPER),
-    ("pumped_cosine_microfacet", {"exponent": 8.0}), ("pumped_he_torrance", {"pumps": 3.0}),
-    ("pumped_embrechts", {}), ("pumped_ashikhmin_shirley", {"exponent_u": 5.0}),
-    ("pumped_lafortune", {"pumps": 2.0}), ("pumped_blinn_fresnel", {"exponent": 1.0, "pumps": 1.0}),
-]
 
 
 def test_every_baked_model_is_rendered():
     elsewhere = {"ndf_map"}  # test_render_ndf_map.py
     baked = {name for name, model in brdf.MODELS.items() if estimator.is_baked(model)}
-    assert {name for name, _ in SHAPES + STRETCHED} | elsewhere == baked
+    assert {name for name, _ in RENDERED + STRETCHED} | elsewhere == baked
 
 
 def held(model, given, bound=FURNACE_BOUND):
@@ -63,15 +48,9 @@ def held(model, given, bound=FURNACE_BOUND):
 
 
 @pytest.mark.versions_by_shader
-@pytest.mark.parametrize("model, given", SHAPES, ids=name_of)
+@pytest.mark.parametrize("model, given", RENDERED, ids=name_of)
 def test_furnace(model, given):
     held(model, given)
-
-
-STRETCHED = [
-    ("ward", {"roughness_u": 0.3, "roughness_v": 0.08}),
-    ("ashikhmin_shirley", {"exponent_u": 10.0, "exponent_v": 150.0}), ("kajiya_kay", {"exponent": 20.0}),
-]
 
 
 @pytest.mark.parametrize("model, given", STRETCHED, ids=name_of)

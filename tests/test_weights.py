@@ -1,10 +1,11 @@
 """Lobe rows: what a row of them draws is the formula, by integrals that share nothing with the bake."""
 from dataclasses import replace
 
+import kept_bakes
 import numpy as np
 import pytest
 from optics.names import name_of
-from optics.shapes import COPPER
+from optics.shapes import COPPER, STRETCHED
 from truth.hemisphere import even_lights, half_vector_lights
 from truth.rows import Row
 
@@ -19,10 +20,8 @@ CASES = [
     ("ashikhmin_shirley", {"base_color": (0.9, 0.5, 0.2), "diffuse_color": (0.1, 0.1, 0.5), "exponent_u": 5.0,
                            "exponent_v": 5.0}),
     ("phong_original", {"exponent": 1.0}), ("pumped_cook_torrance", {"roughness": 0.4}),
-    ("pumped_lafortune", {"pumps": 3.0}),
+    ("pumped_lafortune", {"pumps": 2.0}),
 ]
-STRETCHED = [("ward", {"roughness_u": 0.4, "roughness_v": 0.1}), ("kajiya_kay", {"exponent": 20.0}),
-             ("ashikhmin_shirley", {"exponent_u": 10.0, "exponent_v": 200.0})]
 ROWS = (0, 15, 30, 40)  # up to 77 degrees
 
 
@@ -94,7 +93,9 @@ def test_the_residual_of_kernels():
 @pytest.mark.parametrize("name, given", [("ward", {}), STRETCHED[0], ("he_torrance", {})], ids=name_of)
 def test_blank_rows_are_as_long_as_baked_ones(name, given):
     blank, baked = row_bake.blank(MODELS[name], given), row_bake.bake(MODELS[name], given)
-    assert blank.layout == baked.layout and blank.channels == baked.channels and blank.numbers == baked.numbers
+    assert blank.layout.stretch == pytest.approx(baked.layout.stretch, rel=1e-6)  # single precision in the baked ones
+    assert replace(blank.layout, stretch=baked.layout.stretch) == baked.layout
+    assert blank.channels == baked.channels and blank.numbers == baked.numbers
     assert [array.shape for array in arrays(blank)] == [array.shape for array in arrays(baked)]
     assert not any(array.any() for array in arrays(blank))
 
@@ -109,6 +110,7 @@ def test_spikes_are_kept_apart():
 
 def test_rows_are_kept_and_the_same_again():
     model, given = MODELS["blinn_original"], {"exponent": 33.0}
+    kept_bakes.allow(False)
     baked = row_bake.bake(model, given)
     assert row_bake.bake(model, {"exponent": 33.0, "samples": 2}) is baked
     row_bake._baked.cache_clear()

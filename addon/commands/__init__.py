@@ -1,1 +1,1 @@
-"""The subcommands of `plausible`: arguments in, printed results out; the work itself is done in the other rooms."""
+"""The subcommands of `plausible`: they parse arguments and print results; the other packages compute them."""

@@ -14,7 +14,7 @@ DESCRIPTION = ("List the models with their formulas, parameters, tables and sour
 def add_arguments(parser):
     parser.add_argument("model", nargs="?", metavar="MODEL", help="only this model")
     parser.add_argument("--presets", action="store_true",
-                        help="list the presets by group, those of MODEL where one is named")
+                        help="list the presets by group; with MODEL, the presets of that model")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -42,13 +42,13 @@ def run(arguments):
 
 
 def _print_presets(models):
-    """Groups, and a line for each preset of these models and what it is; baked ones are marked."""
+    """Prints the groups with the presets of these models, two lines each; those of baked models are marked."""
     for group, members in presets.in_groups().items():
-        shown = {key: preset for key, preset in members.items() if preset.model in models}
-        if not shown:
+        chosen = {key: preset for key, preset in members.items() if preset.model in models}
+        if not chosen:
             continue
         print(group)
-        for key, preset in shown.items():
+        for key, preset in chosen.items():
             print(f"  {key:20} {preset.label:26} {preset.model}{', baked' * estimator.is_baked(MODELS[preset.model])}")
             print(f"    {preset.help}")
         print()

@@ -37,9 +37,9 @@ def run(arguments):
     if not (arguments.source and arguments.target):
         raise CommandError("name the models with --from and --to, or one with --from and --native")
     source, target = find_model(arguments.source), find_model(arguments.target)
-    given = settings(source, arguments.assignments)
-    found = match(source.id, given, target.id)
-    seen = samples.of_model(source, complete(source, given), VIEWS, samples.knows_tangent(target))
+    parameters = settings(source, arguments.assignments)
+    found = match(source.id, parameters, target.id)
+    seen = samples.of_model(source, complete(source, parameters), VIEWS, samples.knows_tangent(target))
     # One row of views along the tangent, and perhaps one across it.
     distances = samples.apart(seen, target, found.parameters).reshape(-1, len(VIEWS)).max(axis=0)
     if arguments.json:

@@ -1,4 +1,4 @@
-"""Models of lumps on the halfway vector disk, with Schlick's factor at the view's angle and perhaps a diffuse part."""
+"""Models of lumps on the halfway vector disk, with Schlick's factor at the view's angle, and perhaps a diffuse part."""
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -13,12 +13,15 @@ COSINE = Cosine()
 
 @dataclass(frozen=True)
 class LumpRule:
-    """One lump of a model; fields name parameters, by id.
+    """One lump of a model. Text fields are ids of parameters.
 
-    `radii`: one id for a round lump, or two. `at_grazing` is the exponent at 90 degrees where the model's
-    `vary_exponents` is on. `retro` centres the lump on the disk's centre, where it reflects towards the viewer, else it
-    lies about the origin, the normal. `held` shrinks it until it stays on the disk. `share` is the id of its share of
-    the volume, 1 without; `rest` takes what is left of that.
+    - `exponent`: the lump's exponent.
+    - `radii`: one id for a round lump, or two.
+    - `at_grazing`: the exponent at 90 degrees, used if the model's `vary_exponents` is on.
+    - `retro`: the lump's center is the disk's center, so that it reflects toward the viewer. Else the center is the
+      origin, which is the normal.
+    - `held`: the lump shrinks until it lies inside the disk.
+    - `share`: the lump's share of the volume, 1 if there is no id. With `rest` the lump has 1 minus that share.
     """
 
     exponent: str
@@ -31,16 +34,19 @@ class LumpRule:
 
 
 def exponent_between(normal, grazing, mu_view):
-    """Exponent (N,) at N·V = `mu_view` between that at the normal and that at grazing: n+1 changes geometrically."""
+    """Exponent n (N,) at N·V = `mu_view`, between the one at the normal and the one at grazing.
+
+    n+1 changes geometrically.
+    """
     return (normal + 1.0) ** mu_view * (grazing + 1.0) ** (1.0 - mu_view) - 1.0
 
 
 @dataclass(frozen=True)
 class DiskModel(Model):
-    """f = F / (N·L) times a density of lights, made of lumps on the disk; plus (1 - F) C_d / pi with a diffuse colour.
+    """f = F / (N·L) times a density of lights from lumps on the disk, plus (1 - F) C_d / pi with a diffuse color C_d.
 
-    F is Schlick's factor from `base_color` to `f90` at the view's angle (Edwards et al. eq. 30, 34). Where the model is
-    renormalized, a lump is divided by its volume on the disk, which `albedos` gives.
+    F is Schlick's factor from `base_color` to `f90` at the view's angle (Edwards et al. eq. 30, 34). If the parameter
+    `renormalize` is on, each lump is divided by its volume inside the disk, which `albedos` returns.
     """
 
     projection: object
@@ -52,26 +58,28 @@ class DiskModel(Model):
         return replace(self, albedos=albedos)
 
     def lumps_of(self, view, p):
-        """[(share (N,), Lump)] for views (N, 3)."""
-        found = []
+        """[(share (N,), Lump)] for views (N, 3), with resolved parameters `p`."""
+        lumps = []
         for rule in self.lumps:
+            # Share and exponent.
             share = p[rule.share] if rule.share else 1.0
             share = np.full(len(view), 1.0 - share if rule.rest else share)
             exponent = np.full(len(view), float(p[rule.exponent]))
             if rule.at_grazing and p["vary_exponents"]:
                 exponent = exponent_between(p[rule.exponent], p[rule.at_grazing], view[:, 2])
+            # Radii, shrunk if necessary, and the center.
             radii = np.array([p[name] for name in (rule.radii * 2)[:2]])
             allowed = np.ones(len(view)) if rule.retro else disk.room(view[:, 2])
             radii = disk.held_radii(radii, allowed) if rule.held else np.tile(radii, (len(view), 1))
-            centre = view[:, :2] if rule.retro else np.zeros((len(view), 2))
-            lump = disk.Lump(centre, radii, exponent, 2.0 * np.pi * p.get("rotation", 0.0))
+            center = view[:, :2] if rule.retro else np.zeros((len(view), 2))
+            lump = disk.Lump(center, radii, exponent, 2.0 * np.pi * p.get("rotation", 0.0))
             if p.get("renormalize"):
                 share = share / self.albedos.volumes(view[:, 2], exponent, radii[:, 0])
-            found.append((share, lump))
-        return found
+            lumps.append((share, lump))
+        return lumps
 
     def is_held(self, p) -> bool:
-        """Whether a lump is shrunk already at normal incidence, or becomes so when seen from 60 degrees."""
+        """Whether a lump is shrunk at normal incidence (a retroreflective one) or at 60 degrees (the others)."""
         return any(max(p[name] for name in rule.radii) > (1.0 if rule.retro else disk.room(0.5))
                    for rule in self.lumps if rule.held)
 
@@ -82,13 +90,13 @@ class DiskModel(Model):
 
     def _albedo(self, mu, p):
         view = np.stack([np.sqrt(1.0 - mu * mu), np.zeros_like(mu), mu], axis=-1)
-        # At grazing itself a held lump has shrunk to nothing, and its volume stays what it is just before.
+        # At grazing itself a held lump has the radius 0. Its volume there is the limit, read just above the horizon.
         view[:, 2] = np.maximum(view[:, 2], 1e-9)
         volume = sum(share * lump.volume(view[:, :2]) for share, lump in self.lumps_of(view, p))
         return self._coloured(mu, volume, 1.0, p)
 
     def _coloured(self, mu, specular, diffuse, p):
-        """F times `specular` (N,) and (1 - F) C_d times `diffuse`: (N,) where the model is white, else (N, 3)."""
+        """F times `specular` (N,) plus (1 - F) C_d times `diffuse`: (N,) if the model is white, else (N, 3)."""
         if self._is_white(p):
             return specular
         factor = fresnel.schlick(mu, p["base_color"], p.get("f90", (1.0, 1.0, 1.0)))
@@ -98,28 +106,29 @@ class DiskModel(Model):
     def _is_white(p):
         return p["base_color"] == p.get("f90", (1.0, 1.0, 1.0)) == (1.0, 1.0, 1.0)
 
-    def _parts(self, view, p):
-        """[(chance (N,), Lump or None for the diffuse part)] that samples are drawn from."""
+    def _mixture(self, view, p):
+        """The distributions that samples are drawn from: [(probability (N,), Lump, or None for the diffuse part)]."""
         lumps = self.lumps_of(view, p)
         weights = [share * np.ones(len(view)) for share, _ in lumps]
         if "diffuse_color" in p:
             factor = np.mean(fresnel.schlick(view[:, 2], p["base_color"], p.get("f90", (1.0, 1.0, 1.0))), axis=1)
             diffuse = (1.0 - factor) * np.mean(p["diffuse_color"])
-            weights = [w * factor for w in weights] + [diffuse]
+            weights = [weight * factor for weight in weights] + [diffuse]
             lumps = [*lumps, (diffuse, None)]
         total = np.maximum(sum(weights), 1e-300)
-        return [(w / total, lump) for w, (_, lump) in zip(weights, lumps, strict=True)]
+        return [(weight / total, lump) for weight, (_, lump) in zip(weights, lumps, strict=True)]
 
     def _sample(self, view, u, p):
         view = _above(view)
-        parts = self._parts(view, p)
+        mixture = self._mixture(view, p)
         light, low = np.empty(view.shape), np.zeros(len(view))
-        for i, (chance, lump) in enumerate(parts):
-            last = i == len(parts) - 1
+        for i, (chance, lump) in enumerate(mixture):
+            # The first uniform number chooses the distribution, and its position in the interval is used again.
+            last = i == len(mixture) - 1
             chosen = (u[:, 0] >= low) & (last | (u[:, 0] < low + chance))
-            again = np.stack([np.clip((u[:, 0] - low) / np.maximum(chance, 1e-300), 1e-300, 1.0), u[:, 1]], axis=-1)
-            drawn = COSINE.sample(view, again) if lump is None else self.projection.light(view, lump.sample(again))
-            light[chosen] = drawn[chosen]
+            reused = np.stack([np.clip((u[:, 0] - low) / np.maximum(chance, 1e-300), 1e-300, 1.0), u[:, 1]], axis=-1)
+            lights = COSINE.sample(view, reused) if lump is None else self.projection.light(view, lump.sample(reused))
+            light[chosen] = lights[chosen]
             low = low + chance
         return light
 
@@ -127,7 +136,7 @@ class DiskModel(Model):
         view = _above(view)
         point, density = self.projection.reached(view, light)
         total = 0.0
-        for chance, lump in self._parts(view, p):
+        for chance, lump in self._mixture(view, p):
             if lump is None:
                 total = total + chance * COSINE.pdf(view, light)
             else:
@@ -135,7 +144,6 @@ class DiskModel(Model):
         return total
 
 
-
 def _above(view):
-    """Views lifted off the horizon, where disks have no inside."""
+    """Views with N·V of at least 1e-9: a lump at the horizon would have the radius 0."""
     return np.concatenate([view[:, :2], np.maximum(view[:, 2:], 1e-9)], axis=1)

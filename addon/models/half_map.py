@@ -43,9 +43,9 @@ class HalfMap:
     def nodes(self):
         """Quadrature nodes: half vectors (M, 3), their solid angles (M,), and p times the solid angle (M,).
 
-        The nodes are the pixels' centers, and for images of fewer than FINE pixels also points between them. At the
-        centers alone, sums of a bilinear function are exact integrals. Functions with kinks need FINE nodes across:
-        N·L / max(N·L, N·V), above all at grazing.
+        The nodes are the pixels' centers, and for images of fewer than FINE pixels also points between them. A
+        bilinear function's integral is the sum of its values at the centers. Functions with kinks need FINE nodes
+        across: N·L / max(N·L, N·V), above all at grazing.
         """
         return self._nodes(FINE)
 

@@ -1,27 +1,30 @@
 """Albedo pumping-up: the correction term D that divides a symmetric function f_0.
 
-Source: Neumann, Neumann, Szirmay-Kalos, "Albedo pumping-up", section 3. Each stage divides the stage before by a legal
-correction term (inequality 17), so that D_{j+1} = D_j m_j with m_j = max(a_j(L), a_j(V)) (eq. 20). Control (eq. 21) is
-read cumulatively, D_{j+1} = max(D_j m_j, N·L, N·V). A fraction s of a stage uses m_j^s, legal since m_j <= m_j^s <= 1;
-where m_j > 1 (Blinn) inequality 17 has no solution and m_j^s interpolates geometrically.
+Source: Neumann, Neumann, Szirmay-Kalos, "Albedo pumping-up", section 3. Each stage divides the previous stage by a
+legal correction term (inequality 17), so that D_{j+1} = D_j m_j with m_j = max(a_j(L), a_j(V)) (eq. 20). Control
+(eq. 21) is cumulative here: D_{j+1} = max(D_j m_j, N·L, N·V). A fraction s of a stage uses m_j^s, which is legal since
+m_j <= m_j^s <= 1. Where m_j > 1 (Blinn), inequality 17 has no solution, and m_j^s interpolates geometrically.
 
-D looks at N·V and N·L alone. An albedo after pumping is therefore an integral over the light's polar angle, of what f_0
-sums to over the azimuth: `stage_albedos` asks for those sums once, and weighs them anew for each stage.
+D depends on N·V and N·L only. A stage's albedo is therefore an integral over the light's polar angle of f_0's sums over
+the azimuth. `stage_albedos` takes those sums once, and divides them by the D of each stage.
 """
 import numpy as np
 
 NEUMANN = "Neumann, Neumann, Szirmay-Kalos, Compact metallic reflectance models / Albedo pumping-up, 1999"
+# The largest number of stages.
 MAX_PUMPS = 4
 
 
 def correction(albedos_view, albedos_light, mu_view, mu_light, pumps: float, control: bool):
     """D for `pumps` stages, shape (N,).
 
-    `albedos_view` and `albedos_light` (N, stages) hold a_0, a_1, ... of the plain or of the controlled stages, as
-    `control` says; only the first ceil(pumps) are read. `mu_view`, `mu_light` (N,) are N·V and N·L.
+    `albedos_view` and `albedos_light` (N, stages) are a_0, a_1, ... at the view and at the light, of the controlled
+    stages if `control`, else of the plain ones. Only the first ceil(pumps) are read. `mu_view` and `mu_light` (N,) are
+    N·V and N·L.
     """
     d = np.ones(np.broadcast(mu_view, mu_light).shape)
     for stage in range(int(np.ceil(pumps))):
+        # The last stage may be a fraction.
         share = min(pumps - stage, 1.0)
         d = d * np.maximum(albedos_view[..., stage], albedos_light[..., stage]) ** share
         if control:
@@ -30,9 +33,9 @@ def correction(albedos_view, albedos_light, mu_view, mu_light, pumps: float, con
 
 
 def correction_at(albedos_at, mu_view, mu_light, pumps: float, control: bool):
-    """D as `correction` gives it; `albedos_at(mu, count)` gives the first `count` albedos at cosines (...,).
+    """D as `correction`. `albedos_at(mu, count)` returns the first `count` albedos (..., count) at cosines (...,).
 
-    `mu_view` and `mu_light` broadcast. Without pumps no albedo is asked for.
+    `mu_view` and `mu_light` broadcast. `albedos_at` is not called if `pumps` is 0.
     """
     if pumps == 0.0:
         return np.ones(np.broadcast(mu_view, mu_light).shape)
@@ -41,11 +44,12 @@ def correction_at(albedos_at, mu_view, mu_light, pumps: float, control: bool):
 
 
 def stage_albedos(energy, mu_view, mu_light, stages: int, control: bool, at_lights):
-    """Albedos a_0, a_1, ... of as many `stages`, shape (views, stages); a_j is that of f_0 / D_j (eq. 16).
+    """Albedos a_0, a_1, ... of the first `stages` stages, (views, stages). a_j is the albedo of f_0 / D_j (eq. 16).
 
-    `energy` (views, lights) is f_0 (N·L) times the solid angle, summed over the azimuth, `mu_view` (views,) and
-    `mu_light` (views, lights) the cosines. Each stage needs the ones before at the lights: `at_lights(albedo)` makes
-    (views, lights) of what is known at the views, (views,).
+    - `energy` (views, lights): f_0 (N·L) times the solid angle, summed over the azimuth.
+    - `mu_view` (views,), `mu_light` (views, lights): the cosines N·V and N·L.
+    - `at_lights(albedo)`: interpolates an albedo (views,) at the views to one (views, lights) at the lights. Each stage
+      needs its predecessors there.
     """
     albedos = np.empty((len(mu_view), stages))
     lights = np.empty((*np.shape(energy), max(stages - 1, 0)))
@@ -58,5 +62,5 @@ def stage_albedos(energy, mu_view, mu_light, stages: int, control: bool, at_ligh
 
 
 def limit(mu_view, mu_light):
-    """max(N·L, N·V): where controlled pumping of Phong ends (eq. 22), shape (N,)."""
+    """max(N·L, N·V): the limit of Phong's D under controlled pumping (eq. 22), shape (N,)."""
     return np.maximum(mu_view, mu_light)

@@ -58,10 +58,11 @@ class Probe:
 
 
 def travel(blend, blender: str, frame: int | None = None, size: int = 96, samples: int = 8) -> Probe:
-    """Render the file `blend` in its place and alone, in the `blender` given: a Python that has bpy, or an executable.
+    """Renders the file `blend` in its place and alone. `blender` is a Python that has bpy, or a Blender executable.
 
-    `size` is the longer side in pixels. Raises OSError for a file or program that is missing, ValueError for a size or
-    number of samples out of range; what that Blender cannot do is told by the journey's `error`.
+    `size` is the picture's longer side in pixels, 4..4096, `samples` 1..65536. Raises OSError where the file or the
+    program is missing, ValueError for a size or number of samples out of range. A failure in that Blender is in the
+    result's `error`.
     """
     blend = Path(blend).resolve()
     if not blend.is_file():

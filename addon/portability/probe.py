@@ -2,8 +2,8 @@
 
 `portable` runs a copy of this script; the last argument is the path of a job. A job is JSON with `blend`, `result` and
 `pixels` (paths), `frame` (a number or null), `size` (the picture's longer side in pixels), `samples`, and `alone` (hide
-the extension and use factory settings). The script imports no module of ours. It writes JSON to `result` and the picture
-(height, width, 4), float32, to `pixels`.
+the extension and use factory settings). The script imports no module of ours. It writes JSON to `result` and the
+picture (height, width, 4), float32, to `pixels`.
 """
 import glob
 import json
