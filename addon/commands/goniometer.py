@@ -73,7 +73,7 @@ def _spread(subject, view, plane):
 
 
 def _sweep(arguments, subject, view, plane, label):
-    """Measures the lobe along one arc of lights; all values are f (N·L). Returns a sweep as `plots.goniometer` takes it."""
+    """Measures the lobe along one arc of lights; returns a sweep for `plots.goniometer`. All values are f (N·L)."""
     angles = _spread(subject, view, plane) if arguments.angles is None else np.array(arguments.angles)
     lights = _lights(view, plane, angles)
     f, noise = measure.goniometer(subject.material, view, lights, arguments.samples, arguments.resolution,

@@ -1,8 +1,8 @@
 // Base lobes: Cycles' own closures that together are nearly the target. addon/forms/base_lobes fits them; the BASE_
 // macros and the base_ arrays come from its file, base_lobes.json.
 //
-// Most base lobes are phong_ramp, whose colors make it any function of (R.L)^e. The colors are equidistant levels. Cycles
-// interpolates between them, and allows negative ones.
+// Most base lobes are phong_ramp, whose colors make it any function of (R.L)^e. The colors are equidistant levels.
+// Cycles interpolates between them, and allows negative ones.
 
 #include "beckmann.h"
 
@@ -12,31 +12,35 @@
 #define BASE_ARGUMENTS widths, ramps, facets, table
 #define BASE_DATA base_widths, base_ramps, base_facets, base_table
 
-#define LEVEL_VECTORS 3    // of the table, that hold the SLOTS of a ramp
-#define RAMP_NUMBERS 5     // of a ramp in the array: lean, sharpness, side, level of the crease, set of levels
-#define FACET_NUMBERS 2    // of a facet: lean, sharpness
-#define FAINT 1e-4         // of the mirror direction's gain: closures with less are left out
-#define LARGEST_GAIN 1e9    // no gain is as large
-#define LEAST_GAIN 1e-6    // that the table is read for
-#define LEAST_VIEW 1e-6    // cosine of a view that is divided by
-#define LEAST_MIRROR 1e-9    // gain of the mirror direction that is divided by
+#define LEVEL_VECTORS 3    // vectors of the table that hold the SLOTS of a ramp
+#define RAMP_NUMBERS 5     // numbers of a ramp in its array: lean, sharpness, side, level of the crease, set of levels
+#define FACET_NUMBERS 2    // numbers of a facet in its array: lean, sharpness
+#define FAINT 1e-4         // closures with less than this part of the mirror direction's gain are skipped
+#define LARGEST_GAIN 1e9   // larger than any gain
+#define LEAST_GAIN 1e-6    // the table is not read for smaller gains
+#define LEAST_VIEW 1e-6    // smallest divisor for a view's cosine
+#define LEAST_MIRROR 1e-9  // smallest divisor for the mirror direction's gain
 
 struct Base {
-    float residual;                          // size of what the base leaves over, in parts of the target's energy
-    int sets[BASE_RAMPS];                  // which levels a ramp has, -1: none
-    vector axis[BASE_RAMPS];               // mirror direction of its normal
-    vector facet[BASE_RAMPS];              // its normal
+    float residual;                  // size of the residual, in parts of the target's energy
+    // The ramps, closures phong_ramp.
+    int sets[BASE_RAMPS];            // set of levels of a ramp; -1: the ramp is skipped
+    vector axis[BASE_RAMPS];         // mirror direction of the ramp's normal
+    vector facet[BASE_RAMPS];        // the ramp's normal
     float exponent[BASE_RAMPS];
-    float level[BASE_LEVELS];              // SLOTS of each
-    float mean[BASE_SETS];                 // of the ramp, and of its size
-    float size[BASE_SETS];
-    float weight[BASE_FACET_ROOM];         // Beckmann microfacets
-    vector tilted[BASE_FACET_ROOM];        // their normals
-    float alpha2[BASE_FACET_ROOM];
+    // The sets of levels.
+    float level[BASE_LEVELS];        // SLOTS of each set
+    float mean[BASE_SETS];           // mean of the ramp
+    float size[BASE_SETS];           // mean of the ramp's absolute value
+    // The Beckmann microfacets.
+    float weight[BASE_FACET_ROOM];
+    vector tilted[BASE_FACET_ROOM];  // their normals
+    float alpha2[BASE_FACET_ROOM];   // their squared widths
 };
 
-// The gain over the mirror direction's side of the lobe, where N.L is the larger cosine. A part of it that grows with
-// N.L is Cycles' own phong_ramp times `plain`, exactly; it is taken off the gains. Returns the mirror direction's gain.
+// Reads the gains on the mirror direction's side of the lobe where N.L is the larger cosine. The part of the gain that
+// grows with N.L is exactly Cycles' own phong_ramp times `plain`; it is subtracted from the gains. Returns the mirror
+// direction's gain.
 float read_gains(Hit hit, float scale, float widths[], output float gains[BASE_FEATURES], output float plain,
                  CORRECTION_PARAMETERS)
 {

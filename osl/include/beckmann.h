@@ -1,10 +1,10 @@
 // Beckmann microfacets, as Cycles evaluates them.
 
-#define LAMBDA_FROM 0.39  // squared slope of a direction, in widths of the facets: below, nothing is hidden
-#define LEAST_COSINE2 1e-12  // squared cosine of a direction that is divided by
+#define LAMBDA_FROM 0.39     // squared slope of a direction, in widths of the facets, below which Lambda is 0
+#define LEAST_COSINE2 1e-12  // smallest divisor for a direction's squared cosine
 
-// Smith's Lambda, by the fit of Walter et al. 2007 in Heitz's form (2014). `slope2` is the squared tangent of a
-// direction's angle to the facet, times the facet's squared width.
+// Smith's Lambda, by the fit of Walter et al. 2007 in Heitz's form (2014). `slope2` is the squared tangent of the angle
+// between the direction and the facet's normal, times the facet's squared width.
 float beckmann_lambda(float slope2)
 {
     if (slope2 < LAMBDA_FROM)
@@ -13,14 +13,14 @@ float beckmann_lambda(float slope2)
     return ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a);
 }
 
-// The ellipse of half vectors about h that the steps `a` and `b` span: its covariance along two axes.
+// The ellipse of half vectors about h that the steps `a` and `b` span.
 struct Ellipse {
-    vector e1;
+    vector e1;    // two unit axes across h
     vector e2;
-    float xx;
+    float xx;     // covariance along these
     float xy;
     float yy;
-    float mean;   // variance along its own axes: mean + apart, and mean - apart
+    float mean;   // the variances along the ellipse's own axes are mean + apart and mean - apart
     float apart;
 };
 

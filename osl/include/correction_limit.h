@@ -1,4 +1,4 @@
-// D = max(N.L, N.V), where controlled pumping of Phong ends (Neumann et al. eq. 22).
+// D = max(N.L, N.V), the limit of controlled pumping of Phong (Neumann et al. eq. 22).
 
 struct Correction {
     float mu_view;

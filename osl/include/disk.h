@@ -1,15 +1,15 @@
 // The halfway vector disk (Edwards et al. 2006): see addon/models/disk.py. Equations are numbered as in the paper.
 //
-// Local frame: x is the tangent, z the shading normal. A point h of the disk is (h_u, h_v, 0); the disk's centre is the
-// in-plane part of the view.
+// Local frame: x is the tangent, z the shading normal. A point h of the disk is (h_u, h_v, 0); the disk's center is
+// the in-plane part of the view.
 
 #include "power.h"
 
-// The projections of V+L to the disk.
+// The projections of V+L to the disk, values of `orthogonal`.
 #define SCALING 0
 #define ORTHOGONAL 1
 
-#define LEAST_HEIGHT2 1e-8  // squared cosine of a light: a lower one is below the horizon
+#define LEAST_HEIGHT2 1e-8  // lights with a smaller squared cosine are below the horizon
 
 struct Disk {
     Frame frame;
@@ -17,12 +17,12 @@ struct Disk {
     vector up;       // geometric normal, local
 };
 
-// What the disk's map does about one of its points.
+// The disk's map about one of its points.
 struct Spot {
-    vector light;
+    vector light;    // the point's light direction
     vector h;        // unit half vector
     float stretch;   // dh / dL
-    float size;      // |V+L|, for scaling the length of the vector that ends at h
+    float size;      // |V+L|; for scaling, the length of the vector to the point, (h_u, h_v, N.V)
 };
 
 Disk make_disk(normal shading, vector tangent, int orthogonal)
@@ -37,8 +37,8 @@ Disk make_disk(normal shading, vector tangent, int orthogonal)
 // The lump's densities on the disk: eq. 27.
 struct Lump {
     vector centre;
-    vector along;    // unit axis of radius[0]; that of radius[1] is `across`
-    vector across;
+    vector along;    // unit axis of radii[0]
+    vector across;   // unit axis of radii[1]
     float radii[2];
     float n;
 };
@@ -55,7 +55,7 @@ Lump make_lump(vector centre, float radius_u, float radius_v, float turn, float 
     return p;
 }
 
-// Both radii shrunk by one factor so that the larger is at most `allowed`.
+// Shrinks both radii by one factor so that the larger is at most `allowed`.
 void hold_radii(float allowed, output float radius_u, output float radius_v)
 {
     float factor = min(1.0, allowed / max(radius_u, radius_v));
@@ -63,7 +63,7 @@ void hold_radii(float allowed, output float radius_u, output float radius_v)
     radius_v *= factor;
 }
 
-// Exponent between the one at the normal and the one at grazing: see addon/models/disk_model.py.
+// Exponent at a view's cosine, between those at the normal and at grazing: see addon/models/disk_model.py.
 float exponent_between(float at_normal, float grazing, float mu)
 {
     return pow(at_normal + 1.0, mu) * pow(grazing + 1.0, 1.0 - mu) - 1.0;
@@ -76,7 +76,7 @@ float disk_room(Disk d) { return room_at(d.frame.view[2]); }
 // The standard deviation of a lump along either axis, in parts of its radius.
 float lump_deviation(float n) { return inversesqrt(2.0 * (n + 2.0)); }
 
-// A point in units of the radii from the lump's centre, and back.
+// The coordinates of a point h about the lump's center, in units of the radii; and the point of coordinates x, y.
 vector lump_at(Lump p, vector h)
 {
     vector away = h - p.centre;
@@ -92,7 +92,7 @@ float unit_lump(vector at, float n)
     return r2 < 1.0 ? (n + 1.0) / M_PI * power_of_rest(r2, n) : 0.0;
 }
 
-// The light whose point on the disk is `h`; returns whether there is one above the horizon.
+// The map about the point `h` of the disk. Returns whether its light is above the horizon.
 int disk_spot(Disk d, vector h, output Spot s)
 {
     vector view = d.frame.view;
@@ -119,7 +119,7 @@ int disk_spot(Disk d, vector h, output Spot s)
     return 1;
 }
 
-// By how much the half vector moves when h moves by `step`.
+// The step of the unit half vector when the disk's point moves by `step`.
 vector half_step(Disk d, Spot s, vector step)
 {
     vector moved = step;

@@ -1,6 +1,6 @@
-// The colour factor; see addon/models/fresnel.py for sources.
+// The color factor; see addon/models/fresnel.py for sources.
 
-#define LEAST_FACTOR 1e-6  // of the mirror direction, summed over channels: anything is divided by no less
+#define LEAST_FACTOR 1e-6  // smallest divisor for the mirror direction's factor, summed over channels
 
 struct Colour {
     int choice;
@@ -10,11 +10,12 @@ struct Colour {
     color k;
 };
 
+// Exact unpolarized reflectance of the complex index n + ik at V.H = mu.
 color conductor(float mu, color n, color k)
 {
     float sin2 = 1.0 - mu * mu;
     color t0 = n * n - k * k - sin2;
-    // Half of what is reflected has the electric field across the plane of incidence, half in it.
+    // The mean of the reflectances of both polarizations: across the plane of incidence, and in it.
     color a2b2 = sqrt(t0 * t0 + 4.0 * n * n * k * k);
     color a = sqrt(max(color(0.0), 0.5 * (a2b2 + t0)));
     color t1 = a2b2 + mu * mu;
@@ -38,16 +39,16 @@ color fresnel_factor(Colour c, float mu)
     return c.f0;
 }
 
-// The factor that the base has, and by how much of itself the lobe's mean factor exceeds it: the least of the mirror
-// direction's and of those two lobe's widths to either side, so that what the base leaves over is rather something to
-// add. V.H is the cosine of half the angle between view and light: `width` to either side.
+// The base's color factor, `least`, and how far the lobe's factor exceeds it, in parts of that. `least` is the smallest
+// factor of three lights: the mirror direction, and two widths of the lobe to either side of it. So the residual is
+// mostly positive. V.H is the cosine of half the angle between view and light, which is `width` to either side.
 float fresnel_change(Colour c, float theta, float width, output color least)
 {
     color mirror = fresnel_factor(c, cos(theta));
     least = mirror;
     if (c.choice == FRESNEL_CONSTANT)
         return 0.0;
-    // To either side, no further than light goes.
+    // To either side, within 0 and 90 degrees.
     least = min(mirror, min(fresnel_factor(c, cos(max(theta - width, 0.0))),
                             fresnel_factor(c, cos(min(theta + width, M_PI_2)))));
     color change = mirror - least;

@@ -1,14 +1,15 @@
 // The local frame: x lies in the plane of incidence on the view's side, z is the shading normal. In it the view is
-// (sin, 0, cos). Everything is computed there; only closures are given world vectors.
+// (sin, 0, cos). All directions are local, except those of closures, which are in world space.
 
-#define NO_LENGTH2 1e-8      // squared length below which a socket's vector has no direction,
-#define NO_PLANE2 1e-12      // and a view lies along the normal
-#define LOWEST_MIRROR 0.01   // sine of the height that mirror directions are bent to,
-#define LOWEST_OF_VIEW 0.9   // or this part of the view's,
-#define BENT_BEYOND 1.01     // and a little further
-#define LOWEST_VIEW 1e-4     // cosine of a view, in the frame of a tangent
-#define ALONG_AXIS 0.7       // of a normal: where another axis is taken for a tangent,
-#define ALONG_TANGENT 0.9    // and where one is given and lies along the normal
+#define NO_LENGTH2 1e-8      // squared length below which a socket's vector has no direction
+#define NO_PLANE2 1e-12      // squared sine of a view's angle below which the view is along the normal
+// Mirror directions are bent up to this sine of their height above the surface, or this part of the view's if smaller.
+#define LOWEST_MIRROR 0.01
+#define LOWEST_OF_VIEW 0.9
+#define BENT_BEYOND 1.01     // and by this factor further
+#define LOWEST_VIEW 1e-4     // least cosine of a view in the frame of a tangent
+#define ALONG_AXIS 0.7       // component of a normal from which on its axis is too near for a tangent
+#define ALONG_TANGENT 0.9    // the same where the socket's tangent lies along the normal
 
 struct Frame {
     vector x;
@@ -24,8 +25,8 @@ vector to_local(Frame f, vector v) { return vector(dot(v, f.x), dot(v, f.y), dot
 // Mirror direction of a local view.
 vector mirror_of(vector view) { return vector(-view[0], -view[1], view[2]); }
 
-// A shading normal whose mirror direction goes into the surface is bent until it just does not. Cycles does so to every
-// glossy closure by itself; doing it once, before anything is weighed, keeps base and splats consistent.
+// Bends a shading normal whose mirror direction goes into the surface until it just does not. Cycles does so to every
+// glossy closure by itself. Here it is done once, before any weight is computed, so that base and kernels agree.
 normal valid_normal(normal shading, normal geometric, vector view)
 {
     float lowest = min(LOWEST_OF_VIEW * dot(geometric, view), LOWEST_MIRROR);
@@ -41,10 +42,10 @@ Frame make_frame(normal shading, normal geometric, vector view)
 {
     Frame f;
     f.z = valid_normal(shading, geometric, view);
-    // The plane of incidence.
+    // The view's part across the normal, in the plane of incidence.
     float mu = dot(f.z, view);
     vector across = view - mu * f.z;
-    // At normal incidence any tangent will do.
+    // At normal incidence any tangent serves.
     if (dot(across, across) < NO_PLANE2)
         across = abs(f.z[0]) > ALONG_AXIS ? cross(f.z, vector(0.0, 1.0, 0.0)) : cross(f.z, vector(1.0, 0.0, 0.0));
     f.x = normalize(across);
@@ -54,7 +55,8 @@ Frame make_frame(normal shading, normal geometric, vector view)
     return f;
 }
 
-// A tangent across the shading normal; where none is given, one that runs around the object's z axis.
+// The frame of a tangent, made perpendicular to the shading normal. A zero tangent stands for the direction around the
+// object's z axis.
 Frame tangent_frame(normal shading, normal geometric, vector view, vector tangent)
 {
     Frame f;
@@ -62,7 +64,7 @@ Frame tangent_frame(normal shading, normal geometric, vector view, vector tangen
     vector along = tangent;
     if (dot(along, along) < NO_LENGTH2)
         along = cross(transform("object", "common", vector(0.0, 0.0, 1.0)), f.z);
-    // Across the normal; a tangent that runs along it is none.
+    // The part across the normal. A tangent along the normal is replaced.
     along -= dot(along, f.z) * f.z;
     if (dot(along, along) < NO_LENGTH2)
         along = abs(f.z[0]) > ALONG_TANGENT ? cross(vector(0.0, 1.0, 0.0), f.z)
@@ -74,7 +76,7 @@ Frame tangent_frame(normal shading, normal geometric, vector view, vector tangen
     return f;
 }
 
-// A direction whose cosine to a unit axis falls short of one by `rest`, at the azimuth phi (Duff et al. 2017).
+// The direction at the cosine 1 - `rest` to a unit axis and at the azimuth phi (Duff et al. 2017).
 vector around(vector axis, float rest, float phi)
 {
     float s = axis[2] >= 0.0 ? 1.0 : -1.0;

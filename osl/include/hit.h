@@ -1,13 +1,13 @@
-// What the shader knows of a hit before it looks at any light.
+// A hit: the numbers of the view and the lobe, before any light.
 
 #include "inputs.h"
 
 struct Hit {
     Frame frame;
     vector up;  // geometric normal, local
-    float n;
-    float m;
-    float theta;
+    float n;      // exponent of the lobe
+    float m;      // exponent of the Phong lobe that is as wide
+    float theta;  // angle of the view, in radians
 };
 
 Hit make_hit(Frame frame, vector up, float exponent)

@@ -1,17 +1,17 @@
-// From the sockets to what the estimator takes: every input is held to its range, so that no value, however driven,
-// renders a NaN. LEAST_, MOST_ and DEFAULT_ of each parameter are written from the model's declaration.
+// The sockets' values, clamped to their ranges: no value, however driven, renders a NaN. The assembler writes LEAST_,
+// MOST_ and DEFAULT_ of each parameter from the model's declaration.
 
-// A count, a choice, a number; a number whose NaN becomes the default; a colour.
+// HELD: a count, a choice, or a number. NUMBER: a number whose NaN becomes the default. COLOR: a color.
 #define HELD(id) clamp(id, LEAST_##id, MOST_##id)
 #define NUMBER(id) input_number(id, LEAST_##id, MOST_##id, DEFAULT_##id)
 #define COLOR(id) clamp(id, color(LEAST_##id), color(MOST_##id))
 
-// What several models make of the same sockets.
+// Values that several models compute from the same sockets.
 #define DRAWS(numbers) input_draws(numbers, HELD(samples), NUMBER(light_spread))
 #define INPUT_COLOUR { HELD(fresnel_type), COLOR(base_color), COLOR(f90), \
                        clamp(ior, color(LEAST_IOR), color(MOST_ior)), COLOR(extinction) }
 
-#define STRIPES_PER_UNIT 8.0  // of the scene: of what shows that something is wrong
+#define STRIPES_PER_UNIT 8.0  // stripes of an error, per unit of the scene
 
 float exponent_of_roughness(float roughness)
 {
@@ -30,7 +30,7 @@ float input_number(float value, float least, float most, float otherwise)
     return isnan(value) ? otherwise : clamp(value, least, most);
 }
 
-// The shading normal: unlinked, the socket holds zeros, for the surface's own.
+// The shading normal. An unlinked socket holds zeros, which stand for the surface's own normal.
 normal input_normal(normal shading)
 {
     return dot(shading, shading) > NO_LENGTH2 ? normalize(shading) : N;
@@ -42,8 +42,8 @@ Draws input_draws(vector numbers, int count, float spread)
     return draws;
 }
 
-// What a hit shows when its numbers cannot be used: magenta and black stripes. Not emission: a shader that could emit
-// makes Cycles sample the whole mesh as a lamp, at the cost of all the others.
+// Magenta and black stripes, for a hit whose numbers cannot be used. They are not emission: a shader that could emit
+// makes Cycles sample the whole mesh as a lamp, at the cost of all other lamps.
 closure color stripes()
 {
     color stripe = mod(floor(STRIPES_PER_UNIT * (P[0] + P[1] + P[2])), 2.0) < 1.0 ? color(1.0, 0.0, 1.0) : color(0.0);
@@ -58,6 +58,6 @@ closure color broken_table(string file)
 
 closure color stale_rows(string model)
 {
-    warning("Plausible BRDF: %s was baked for other parameters than its sockets have; bake its weights again\n", model);
+    warning("Plausible BRDF: %s was baked for other parameters than its sockets have; bake it again\n", model);
     return stripes();
 }

@@ -2,7 +2,7 @@
 
 #include "power.h"
 
-#define LEAST_VIEW_HALF 1e-6  // V.H that is divided by
+#define LEAST_VIEW_HALF 1e-6  // smallest divisor for V.H
 
 // (N.H)^n
 float half_power(vector h, float n) { return power_of_rest((h[0] * h[0] + h[1] * h[1]) / (1.0 + max(h[2], 0.0)), n); }
@@ -25,7 +25,7 @@ vector lobe_draw(vector view, float u, float v, float n)
     return 2.0 * dot(view, h) * h - view;
 }
 
-// Exponent of the Phong lobe that is as wide, which scales the base lobes.
+// Exponent of the Phong lobe of equal width; the base lobes are scaled by it.
 float lobe_phong_exponent(float n) { return PHONG_PER_HALF * n; }
 
 // Width of the lobe where it is narrowest, in radians: across the plane of incidence it shrinks with N.V.

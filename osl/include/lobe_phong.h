@@ -18,7 +18,7 @@ vector lobe_draw(vector view, float u, float v, float n)
     return around(mirror_of(view), rest_of_root(u, n + 1.0), M_2PI * v);
 }
 
-// Exponent of the Phong lobe that is as wide, which scales the base lobes.
+// Exponent of the Phong lobe of equal width; the base lobes are scaled by it.
 float lobe_phong_exponent(float n) { return n; }
 
 // Width of the lobe where it is narrowest, in radians.

@@ -1,8 +1,8 @@
 // Reading an albedo table; addon/forms/albedo/axes.py explains the axes, addon/forms/albedo/tables.py the image.
 //
-// The table comes in two ways with the same result: as an array of numbers compiled into the shader (TABLE is a float
-// array), or, where TABLE_FILE is defined, from the image file through texture() (TABLE is its name). Both blend
-// between the same texels with the same weights.
+// There are two ways to read a table, with the same result: from an array of numbers compiled into the shader (TABLE is
+// a float array), or, where TABLE_FILE is defined, from the image file through texture() (TABLE is its name). Both
+// interpolate between the same texels with the same weights.
 
 #ifdef TABLE_FILE
 #define TABLE(name) string name
@@ -10,11 +10,12 @@
 #define TABLE(name) float name[]
 #endif
 
-#define TABLE_EDGE 1e-14       // squared sine at the normal that is divided by
-#define TABLE_MARK_OFF 1e-3    // by how much marks may be read wrongly: by texture() in half precision,
-#define TABLE_STAMP_OFF 5e-6   // the stamp,
-#define TABLE_HALF_OFF 2e-3    // and the middle of the mark and the first row
-#define TABLE_MOST 2.0         // no albedo is as large
+#define TABLE_EDGE 1e-14      // smallest divisor for the squared sine at the normal
+// Largest errors of what texture() reads, in half precision.
+#define TABLE_MARK_OFF 1e-3   // error of a mark
+#define TABLE_STAMP_OFF 5e-6  // error of the stamp
+#define TABLE_HALF_OFF 2e-3   // error of the middle between the mark and the first row
+#define TABLE_MOST 2.0        // larger than any albedo
 
 struct Axes {
     int columns;
@@ -24,21 +25,21 @@ struct Axes {
     float density;
     float law;
     float stamp;
-    int sine;    // read linearly in the sine of the angle
-    int height;  // rows of the image, without its markers
-    float lowest;   // exponents of the first row and of the last
-    float highest;
+    int sine;       // 1 where a reading is linear in the sine of the angle
+    int height;     // rows of the image, without its markers
+    float lowest;   // exponent of the first row
+    float highest;  // exponent of the last row
 };
 
-// What a hit needs to know of a table: its row (it has one exponent) and the scales of the columns there.
+// A hit's row of a table, as a hit has one exponent, and the scales of the columns there.
 struct Row {
     Axes axes;
-    int row;
-    float blend;
+    int row;      // the row before the exponent
+    float blend;  // the way from there to the next row, 0..1
     float k;
     float span;
-    int flipped;  // texture() counts rows from the bottom
-    int valid;
+    int flipped;  // 1 where texture() counts rows from the bottom
+    int valid;    // whether the table can be used
 };
 
 float asinh_positive(float x) { return log(x + sqrt(x * x + 1.0)); }
@@ -57,11 +58,12 @@ Row table_row(Axes axes, float exponent)
     r.k = axes.grazing * sqrt(exponent);
     r.span = asinh_positive(r.k * (axes.facing > 0.0 ? axes.facing * sqrt(exponent) : 1.0));
     r.flipped = 0;
-    // Beyond its ends a table would be read wrongly; within a part TABLE_SLACK of them it is not.
+    // A table cannot be read beyond its ends, but for the part TABLE_SLACK of them.
     r.valid = exponent >= axes.lowest * (1.0 - TABLE_SLACK) && exponent <= axes.highest * (1.0 + TABLE_SLACK);
     return r;
 }
 
+// The cosine of a column.
 float column_cosine(Row r, int i)
 {
     if (i >= r.axes.columns - 1)
@@ -72,6 +74,7 @@ float column_cosine(Row r, int i)
     return z / sqrt(1.0 + z * z);
 }
 
+// The function of the cosine in which a reading between two columns is linear.
 float column_law(Row r, float mu)
 {
     if (r.axes.sine)
@@ -79,7 +82,7 @@ float column_law(Row r, float mu)
     return r.axes.facing > 0.0 ? mu * (mu + 1.0 / r.k) : mu;
 }
 
-// Column number of a cosine: the cell's index plus how far into it the reading is.
+// Column number of a cosine: the cell's index plus the position in the cell, 0..1.
 float column_position(Row r, float mu)
 {
     float t;
@@ -106,15 +109,16 @@ void texel(string file, float s, float t, output float a[TABLE_CHANNELS])
     a[3] = alpha;
 }
 
+// The image's coordinate of a row, which may lie between two.
 float row_place(Row r, float row)
 {
     float t = (row + 0.5) / (r.axes.height + 2);
     return r.flipped ? 1.0 - t : t;
 }
 
-// The marker row at the top tells a valid table from a missing, stale or foreign image, and which way up it is read.
-// Halfway to the first row there must be half of both, or the image has other rows than it should; and what the hit is
-// to read must be albedos.
+// Checks a table. The marker row at the top tells a valid table from a missing, stale or foreign image, and which way up
+// texture() reads it. Halfway to the first row texture() must read the mean of both, or the image has a wrong number of
+// rows. The numbers of the hit's row must be albedos.
 void table_check(string file, output Row r)
 {
     float height = r.axes.height + 2;

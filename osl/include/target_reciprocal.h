@@ -1,4 +1,4 @@
-// What is estimated on the disk: the lump made symmetric, pumped up, times the colour; see ReciprocalDiskLobe in
+// The target on the disk: the lump made symmetric, pumped up, times the color; see ReciprocalDiskLobe in
 // addon/models/lobes.py.
 
 struct Target {
@@ -11,7 +11,7 @@ struct Target {
 #define TARGET t, plain_albedos
 #define TARGET_DATA t, table_plain
 
-#define LEAST_LIKE 0.2  // of the lump's half angle: that of the lump that bells are made for
+#define LEAST_LIKE 0.2  // least half angle of the lump that the bells follow, in parts of the lump's half angle
 
 // Square root of the profile of the largest lump at a cosine, over its slope R / cosine = tan(45 deg - theta / 2).
 float root_profile(float mu, float tan2, float n)
@@ -26,21 +26,21 @@ color target_density(Disk d, Lump p, vector at, Spot s, TARGET_PARAMETERS)
     float mu = d.frame.view[2];
     float tan2 = (s.h[0] * s.h[0] + s.h[1] * s.h[1]) / (s.h[2] * s.h[2]);
     float symmetric = (p.n + 1.0) / M_PI * root_profile(mu, tan2, p.n) * root_profile(s.light[2], tan2, p.n);
-    // f (N.L) over dh / dL, in units of the radii; what both share cancels.
+    // f (N.L) over dh / dL, in units of the radii. Their common factors cancel.
     float density = symmetric * sqrt(s.light[2] / mu) / (mu * mu) * p.radii[0] * p.radii[1];
     return density / correction(s.light[2], t.c, plain_albedos) * fresnel_factor(t.colour, dot(d.frame.view, s.h));
 }
 
 color target_tint(TARGET_PARAMETERS) { return fresnel_factor(t.colour, t.c.mu_view); }
 
-// How much more the mirror direction shows than the view's lump: bells are no higher than that.
+// The target's height in the mirror direction over that of the view's lump: the bells are no higher.
 float target_gain(Disk d, Lump p, TARGET_PARAMETERS)
 {
     return 1.0 / correction(d.frame.view[2], t.c, plain_albedos);
 }
 
-// The lump that the bells are made for. Beside the mirror direction, away from the normal, the light's own lump is the
-// narrower: as it is one standard deviation away.
+// The lump that the bells follow. Beside the mirror direction, away from the normal, the light's own lump is narrower
+// than the view's. The bells follow the lump of a light one standard deviation away.
 Lump target_like(Disk d, Lump p, TARGET_PARAMETERS)
 {
     Lump like = p;

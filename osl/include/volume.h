@@ -1,11 +1,11 @@
-// What a round lump about the origin keeps of its volume on the disk: see VolumeTable in addon/forms/albedo/tables.py.
+// The volume of a round lump about the origin that is on the disk: see VolumeTable in addon/forms/albedo/tables.py.
 
 float lump_volume(Row row, float mu_view, float radius, TABLE(volumes))
 {
     float distance = room_at(mu_view);
     float place = (1.0 - sqrt(max(1.0 - radius, 0.0))) * (VOLUME_LAYERS - 1);
     int layer = min((int)place, VOLUME_LAYERS - 2);
-    // The layers of the radii on either side of this one.
+    // The layers of the next smaller and the next larger radius.
     float at[2];
     float radii[2];
     for (int k = 0; k < 2; k += 1) {

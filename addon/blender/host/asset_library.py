@@ -8,7 +8,7 @@ NAME = "Plausible BRDF"
 
 
 def start():
-    """Add the library to the preferences, in place of one that an earlier session left there."""
+    """Add the library to the preferences, in place of one that an earlier run of Blender left there."""
     stop()
     if LIBRARY.is_file():
         library = bpy.context.preferences.filepaths.asset_libraries.new(name=NAME, directory=str(LIBRARY.parent))

@@ -1,7 +1,7 @@
-"""What took long to compute, kept in a folder: few files, compressed, each whole or not there at all.
+"""A store of computed values in a folder: one compressed file per entry, written atomically.
 
-Entries are values that JSON knows, by a key of hexadecimal digits. Those that were not used for longest are dropped
-when there are more bytes than allowed.
+Values have to be valid JSON; keys are hexadecimal digits. The least recently used entries are deleted when the total
+size exceeds a limit.
 """
 import json
 import os
@@ -12,17 +12,18 @@ from pathlib import Path
 from ...forms.files import replacing
 
 _SUFFIX = ".z"
-_ABANDONED = 3600.0  # seconds after which a part of an entry was left behind by a process that was killed
+# Age in seconds at which an incomplete file counts as left by a killed process.
+_ABANDONED = 3600.0
 
 
 class Store:
-    """Entries in `folder`, up to `limit` bytes in all. The folder is there; several processes may share it."""
+    """Entries in `folder`, of `limit` bytes in total at most. The folder has to exist; several processes may share it."""
 
     def __init__(self, folder, limit: int):
         self.folder, self.limit = Path(folder), limit
 
     def load(self, key: str):
-        """The value kept for a key, used now; None where there is none. A damaged entry is deleted."""
+        """The value of a key, marked as just used; None where there is none. A damaged entry is deleted."""
         path = self._path(key)
         try:
             data = path.read_bytes()
@@ -33,20 +34,23 @@ class Store:
         except (zlib.error, ValueError):
             path.unlink(missing_ok=True)
             return None
-        os.utime(path)
+        os.utime(path)  # the time of modification stands for the last use
         return value
 
     def save(self, key: str, value):
-        """Keep a value, and drop what was not used for longest. Raises OSError where that cannot be written."""
+        """Store a value, and `trim`. A value above the size limit is not stored.
+
+        Raises OSError where the folder cannot be written.
+        """
         data = zlib.compress(json.dumps(value).encode(), 6)
         if len(data) > self.limit:
             return
-        with replacing(self._path(key)) as beside:
-            beside.write_bytes(data)
+        with replacing(self._path(key)) as temporary:
+            temporary.write_bytes(data)
         self.trim()
 
     def trim(self):
-        """Drop entries, those first that were not used for longest, until the rest is within the limit."""
+        """Delete entries, the least recently used first, until the others fit the limit. Deletes abandoned files, too."""
         entries = sorted(self._entries(), key=lambda entry: entry[1].st_mtime_ns)
         total = sum(state.st_size for _, state in entries)
         for path, state in entries:
@@ -54,16 +58,17 @@ class Store:
                 break
             path.unlink(missing_ok=True)
             total -= state.st_size
-        for part in self.folder.glob(f".*{_SUFFIX}.*.part"):
-            if time.time() - part.stat().st_mtime > _ABANDONED:
-                part.unlink(missing_ok=True)
+        # Incomplete files of killed processes.
+        for incomplete in self.folder.glob(f".*{_SUFFIX}.*.part"):
+            if time.time() - incomplete.stat().st_mtime > _ABANDONED:
+                incomplete.unlink(missing_ok=True)
 
     def size(self) -> int:
-        """Bytes of all entries."""
+        """Total size of all entries, in bytes."""
         return sum(state.st_size for _, state in self._entries())
 
     def clear(self):
-        """Delete all entries. Raises OSError where that is not allowed."""
+        """Delete all entries. Raises OSError where a file cannot be deleted."""
         for path, _ in self._entries():
             path.unlink(missing_ok=True)
 
@@ -71,11 +76,11 @@ class Store:
         return self.folder / f"{key}{_SUFFIX}"
 
     def _entries(self):
-        """[(path, its state)]; what another process deletes meanwhile is left out."""
-        found = []
+        """[(path, its os.stat_result)], without files that another process deletes meanwhile."""
+        entries = []
         for path in self.folder.glob(f"*{_SUFFIX}"):
             try:
-                found.append((path, path.stat()))
+                entries.append((path, path.stat()))
             except FileNotFoundError:
                 continue
-        return found
+        return entries

@@ -1,18 +1,20 @@
-"""Baking albedo tables in the background."""
+"""Background bakes of albedo tables."""
 import threading
 import time
 
 from ...forms.albedo import bake, sizes, tables
 from .table_folder import use_bake_folder
 
-job = None  # the bake that runs, or the last one since Blender started
+# The running bake, or the last one since Blender started, or None.
+job = None
 
 
 class BakeJob:
-    """A bake in a thread of its own, so that Blender stays responsive; the thread never touches bpy.
+    """A bake in a thread of its own, so that Blender stays responsive. The thread never uses bpy.
 
-    More processes would be faster, but inside Blender each of them would be another Blender.
-    `done` and `total` count steps, `table` is the one in work, `error` what ended the bake early.
+    Several processes would be faster, but inside Blender each of them would start another Blender.
+    `done` and `total` count steps. `table` is the name of the table in progress, `error` the exception that ended the
+    bake, or None.
     """
 
     def __init__(self, names=None, size=sizes.STANDARD):
@@ -24,17 +26,17 @@ class BakeJob:
         self._thread = threading.Thread(target=self._run, name="Plausible BRDF bake", daemon=True)
 
     def start(self):
-        """Begin. Raises OSError when no folder for the tables can be written."""
+        """Start the thread. Raises OSError if the tables' folder cannot be written."""
         use_bake_folder()
         self._began = time.monotonic()
         self._thread.start()
 
     def cancel(self):
-        """Ask to end after the row in work; tables that are not complete keep their old files."""
+        """Request the end after the current row. Incomplete tables keep their old files."""
         self._stop.set()
 
     def wait(self):
-        """Return when the thread has ended."""
+        """Wait for the end of the thread."""
         if self._thread.ident is not None:
             self._thread.join()
 
@@ -48,17 +50,17 @@ class BakeJob:
 
     @property
     def share(self):
-        """Part done, 0..1."""
+        """Fraction done, 0..1."""
         return self.done / self.total
 
     @property
     def seconds(self):
-        """How long it has run, or ran."""
+        """Duration so far, or of the whole bake once it has ended, in seconds."""
         return (self._ended or time.monotonic()) - self._began
 
     @property
     def seconds_left(self):
-        """How long it will go on, should the rest take as long as what is done."""
+        """Estimated time to the end in seconds, if all steps take equally long."""
         return self.seconds * (self.total / max(self.done, 1) - 1.0)
 
     def _run(self):
@@ -68,7 +70,7 @@ class BakeJob:
                 if self._stop.is_set():
                     self.cancelled = self.done < self.total
                     break
-        except Exception as error:  # a thread has no caller: the operator reports it
+        except Exception as error:  # a thread has no caller: the operator reports the error
             self.error = error
         finally:
             rows.close()
@@ -77,7 +79,7 @@ class BakeJob:
 
 
 def stop():
-    """End the bake that runs, and wait for it."""
+    """Cancel a running bake, and wait for its end."""
     global job
     if job is not None:
         job.cancel()

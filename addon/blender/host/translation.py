@@ -1,18 +1,19 @@
-"""The interface's words in other languages.
+"""Translation of the interface.
 
-Blender looks names and help of properties, operators and panels up by itself; `tr` looks up sentences that are put
-together. A language is one module with a table, as german.py: English to its own, numbers named in braces.
+Blender itself translates names and tooltips of properties, operators and panels. `tr` translates sentences with values
+in them. A language is one module with a table from English to that language, as german.py; values are named in braces.
 """
 import bpy
 
 from .german import GERMAN
 
 LANGUAGES = {"de_DE": GERMAN}
-_CONTEXTS = ("*", "Operator")  # where Blender looks: for operators' names apart
+# Blender's translation contexts: the default, and that of operators' names.
+_CONTEXTS = ("*", "Operator")
 
 
 def translate(text: str) -> str:
-    """`text` in the language of the interface, or as it is."""
+    """`text` in the language of the interface, or unchanged where there is no translation."""
     return bpy.app.translations.pgettext_iface(text)
 
 
@@ -22,12 +23,12 @@ def tr(text: str, **values) -> str:
 
 
 def start():
-    """Give Blender the words."""
+    """Register the translations with Blender."""
     tables = {language: {(context, english): word for english, word in words.items() for context in _CONTEXTS}
               for language, words in LANGUAGES.items()}
     bpy.app.translations.register(__package__, tables)
 
 
 def stop():
-    """Take the words back."""
+    """Unregister the translations."""
     bpy.app.translations.unregister(__package__)

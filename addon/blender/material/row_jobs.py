@@ -11,14 +11,14 @@ from . import baked_state, driven, groups
 REST = 0.3  # seconds without a change of values before their lobe rows are baked
 _TICK = 0.1  # seconds between two looks at a bake
 _jobs = {}  # full name of a material -> its _Job
-# Bakes that failed or were canceled: full name of a material -> (`baked_state.target` of the bake, error message or None).
-_failures = {}
+# Bakes that failed or were canceled, by a material's full name: (`baked_state.target`, error message or None).
+_not_retried = {}
 
 
 def soon(material):
     """Bake a material's lobe rows after a pause of REST seconds. A running bake for older values is dropped."""
     name = material.name_full
-    _failures.pop(name, None)
+    _not_retried.pop(name, None)
     if name not in _jobs:
         _jobs[name] = _Job(name)
         _jobs[name].start()
@@ -27,7 +27,7 @@ def soon(material):
 
 def follow(material, node):
     """As `soon` if the material's node is stale, unless a bake for the same values failed or was canceled before."""
-    if baked_state.is_stale(node) and _failures.get(material.name_full, (None,))[0] != baked_state.target(node):
+    if baked_state.is_stale(node) and _not_retried.get(material.name_full, (None,))[0] != baked_state.target(node):
         soon(material)
 
 
@@ -65,7 +65,7 @@ def progress(material) -> tuple:
 
 def problem(material, node) -> str | None:
     """The error of the bake for the present values of a material's node; None where no such bake failed."""
-    target, reason = _failures.get(material.name_full, (None, None))
+    target, reason = _not_retried.get(material.name_full, (None, None))
     return reason if reason and target == baked_state.target(node) else None
 
 
@@ -74,14 +74,14 @@ def cancel(material):
     job = _jobs.get(material.name_full)
     if job is not None:
         job.drop()
-        _failures[job.name] = baked_state.target(groups.find_node(material)), None
+        _not_retried[job.name] = baked_state.target(groups.find_node(material)), None
 
 
 def stop():
     """Drop all bakes, and the results of threads that still run."""
     for job in list(_jobs.values()):
         job.drop()
-    _failures.clear()
+    _not_retried.clear()
 
 
 class _Dropped(Exception):
@@ -155,7 +155,7 @@ class _Job:
     def _fail(self, error, target=None):
         """End the job with an error; it is remembered for `problem` if its `target` is known."""
         if target is not None:
-            _failures[self.name] = target, str(error)
+            _not_retried[self.name] = target, str(error)
         print(f"Plausible BRDF: {self.name}: {error}")
         return self._end()
 
