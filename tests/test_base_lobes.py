@@ -15,10 +15,10 @@ from addon.forms.albedo import tables
 
 BASE = json.loads((resources.LUTS / "base_lobes.json").read_text(encoding="utf-8"))
 FAMILIES = list(BASE["families"])
-# Size of what is left over, in parts of the target's energy: at most, by view in degrees, and the mean over all points.
+# Size of the residual, in parts of the target's energy: at most, by view in degrees, and the mean over all points.
 # Blinn's super-metals at grazing, of which hardly anything is seen, are the worst.
-LEFT = {"phong": {60.0: 0.027, 80.0: 0.075, 88.0: 0.1}, "blinn": {60.0: 0.035, 80.0: 0.09, 88.0: 0.55}}
-MEAN_LEFT = {"phong": 0.007, "blinn": 0.023}
+RESIDUAL = {"phong": {60.0: 0.027, 80.0: 0.075, 88.0: 0.1}, "blinn": {60.0: 0.035, 80.0: 0.09, 88.0: 0.55}}
+MEAN_RESIDUAL = {"phong": 0.007, "blinn": 0.023}
 HEAVIEST = 2.0  # a kernel's weight, see osl/include/estimator.h
 OUT_OF_REACH = {80.0: 1e-3, 88.0: 0.02}  # of the energy: what of it kernels do not make up for, being held back by that
 # Of the energy: what of the base is above the target and too much for negative kernels, and what is below zero.
@@ -54,7 +54,7 @@ def target(family, theta, n, light, choice):
 
 
 def coefficients(family, theta, n, gains):
-    """Blended numbers of the point's nodes: (levels of each ramp (ramps, 8), weights of the facets, what is left)."""
+    """Blended numbers of the point's nodes: (levels of each ramp (ramps, 8), weights of the facets, residual)."""
     data = BASE["families"][family]
     ramps, facets = len(data["ramps"]), len(data["facets"])
     table = np.reshape(data["table"], (data["u_nodes"], data["v_nodes"], len(BASE["features"]), 3 * data["stride"]))
@@ -72,7 +72,7 @@ def coefficients(family, theta, n, gains):
 
 
 def base_value(family, theta, n, light, choice):
-    """Sum of the closures, N·L included, towards lights (N, 3), and what the shader takes for left over."""
+    """Sum of the closures, N·L included, towards lights (N, 3), and the residual as the shader states it."""
     data = BASE["families"][family]
     view, m = quadrature.view_at(np.cos(theta)), phong_exponent(family, n)
     s = 1.0 / np.sqrt(m)
@@ -82,7 +82,7 @@ def base_value(family, theta, n, light, choice):
     if data["plain"]:
         slope = (gains / cosines).min()
         gains, total = gains - slope * cosines, slope * ramp(view, -theta, 0.0, n, np.ones(8), light)
-    levels, weights, left = coefficients(family, theta, n, gains)
+    levels, weights, residual = coefficients(family, theta, n, gains)
     mean = np.cos(theta) + BASE["grazing"] * s
     height = 0.5 * np.pi - theta
     for closure, level in zip(data["ramps"], levels, strict=True):
@@ -99,7 +99,7 @@ def base_value(family, theta, n, light, choice):
     for closure, weight in zip(data["facets"], weights, strict=True):
         lean, alpha2 = min(closure["lean"] * s, 0.02 / s), min(0.5 / (m * closure["sharp"]), 1.0)
         total += weight * mean * beckmann(view, lean, alpha2, light)
-    return total, left / whole
+    return total, residual / whole
 
 
 def ramp(view, angle, side, exponent, level, light):
@@ -130,10 +130,10 @@ def beckmann(view, lean, alpha2, light):
 
 
 def measured(family, theta, n, choice, factor=1.0):
-    """(size of what the base leaves over, what the shader takes it for, what of it is out of reach, what is above the
-    target and too much for negative kernels, what is below zero), see LEFT and ABOVE; parts of the energy."""
+    """(size of the residual, its size as the shader states it, its part out of reach, what of the base is above the
+    target and too much for negative kernels, what is below zero), see RESIDUAL and ABOVE; parts of the energy."""
     light, area = lights(family, theta, n)
-    base, left = base_value(family, theta, n, light, choice)
+    base, residual = base_value(family, theta, n, light, choice)
     wanted = target(family, theta, n, light, choice)
     energy, remainder = (area * wanted).sum(), wanted - factor * base
     drawn = density(family, theta, BASE["drawn"] * n, light)
@@ -141,7 +141,7 @@ def measured(family, theta, n, choice, factor=1.0):
     above = np.maximum(-remainder - room(family, theta, n, light) * drawn * np.maximum(factor * base, 0.0), 0.0)
     sizes = np.abs(remainder), np.abs(held_back), above, np.maximum(-factor * base, 0.0)
     size, lost, above, below = ((area * part).sum() / energy for part in sizes)
-    return size, left, lost, above, below
+    return size, residual, lost, above, below
 
 
 def room(family, theta, n, light):
@@ -181,19 +181,20 @@ def points(count, seed):
 @pytest.mark.parametrize("family", FAMILIES)
 def test_base_is_near_the_target(family):
     where = list(points(300, seed=8))
-    left, told, lost, above, below = np.array([measured(family, *point) for point in where]).T
+    residual, told, lost, above, below = np.array([measured(family, *point) for point in where]).T
     degrees = np.degrees([theta for theta, _, _ in where])
     low = 0.0
-    for high, bound in LEFT[family].items():
+    for high, bound in RESIDUAL[family].items():
         here = (degrees >= low) & (degrees < high)
-        assert left[here].max() <= bound, (high, left[here].max(), where[int(np.argmax(np.where(here, left, 0.0)))])
+        worst = int(np.argmax(np.where(here, residual, 0.0)))
+        assert residual[worst] <= bound, (high, residual[worst], where[worst])
         low = high
-    assert left.mean() <= MEAN_LEFT[family]
+    assert residual.mean() <= MEAN_RESIDUAL[family]
     assert lost[degrees < 80.0].max() <= OUT_OF_REACH[80.0] and lost.max() <= OUT_OF_REACH[88.0], lost.max()
     assert above[degrees < 80.0].max() <= ABOVE[family][80.0] and above.max() <= ABOVE[family][88.0], above.max()
     assert below.max() <= BELOW[family], below.max()
-    # What the shader takes for left over says how many kernels it draws.
-    assert 0.8 < np.median(told / left) < 1.2 and (told > 0.25 * left - 0.003).all()
+    # The number of kernels that the shader draws depends on the residual that it states.
+    assert 0.8 < np.median(told / residual) < 1.2 and (told > 0.25 * residual - 0.003).all()
 
 
 @pytest.mark.parametrize(("family", "theta", "n", "choice", "most"), [
@@ -216,7 +217,8 @@ def test_plain_phong_is_exact():
 
 @pytest.mark.parametrize("factor", [0.98, 1.02])
 def test_a_base_too_bright_or_too_dark_would_be_noticed(factor):
-    assert np.mean([measured("phong", *point, factor=factor)[0] for point in points(30, seed=10)]) > MEAN_LEFT["phong"]
+    sizes = [measured("phong", *point, factor=factor)[0] for point in points(30, seed=10)]
+    assert np.mean(sizes) > MEAN_RESIDUAL["phong"]
 
 
 def test_file_is_what_the_fit_declares():

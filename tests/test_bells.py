@@ -32,22 +32,22 @@ def test_bells_hold_what_their_shares_say():
 
 
 def test_bells_are_hardly_above_the_lump_and_many_leave_less_than_few():
-    left = {}
+    residual = {}
     for exponent, row in rows():
-        over = np.maximum(-remainder(exponent, row), 0.0).sum() * WIDTH**2
-        assert over < 0.004
-        left.setdefault(exponent, []).append(np.maximum(remainder(exponent, row), 0.0).sum() * WIDTH**2)
-        assert bells.residual_and_excess(row, exponent) == pytest.approx((left[exponent][-1], over), abs=2e-3)
-    assert all(many < 0.7 * few for few, many in left.values())
-    assert left[1.0][1] < 0.1 and left[4.0][1] < 0.02
+        excess = np.maximum(-remainder(exponent, row), 0.0).sum() * WIDTH**2
+        assert excess < 0.004
+        residual.setdefault(exponent, []).append(np.maximum(remainder(exponent, row), 0.0).sum() * WIDTH**2)
+        assert bells.residual_and_excess(row, exponent) == pytest.approx((residual[exponent][-1], excess), abs=2e-3)
+    assert all(many < 0.7 * few for few, many in residual.values())
+    assert residual[1.0][1] < 0.1 and residual[4.0][1] < 0.02
 
 
 def test_between_two_knots_lies_an_equal_part_of_what_is_left():
     for node in (4, 10, 20):
         row = STORED["steep"][node - bells.STEEP_FROM]
-        left = np.maximum(remainder(bells.NODES / node - 1.0, row[: -bells.KNOTS - 1]), 0.0)
+        residual = np.maximum(remainder(bells.NODES / node - 1.0, row[: -bells.KNOTS - 1]), 0.0)
         knots = row[-bells.KNOTS - 1 :]
         assert knots[0] == 0.0 and knots[-1] == 1.0
-        parts = [left[(low <= R2) & (high > R2)].sum() / left[R2 < 1.0].sum()
+        parts = [residual[(low <= R2) & (high > R2)].sum() / residual[R2 < 1.0].sum()
                  for low, high in zip(knots, knots[1:], strict=False)]
         np.testing.assert_allclose(parts, 1.0 / bells.KNOTS, rtol=0.05)

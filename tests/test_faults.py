@@ -230,7 +230,7 @@ TOLD = {
     "no script": "its shader is gone or damaged", "no bytecode": "its shader is gone or damaged",
     "garbage": "its shader is gone or damaged", "exponent is a colour": "lacks Exponent",
     "nodes inside": "lacks", "no BSDF": "lacks BSDF", "no stand-in": "lacks Stand-in",
-    "no links inside": "lacks BSDF, Stand-in", "another model": "lacks Diffuse Color",
+    "no links inside": "lacks Exponent, Use Roughness, Roughness, Pumps", "another model": "lacks Diffuse Color",
 }
 
 
@@ -517,7 +517,7 @@ addon.unregister()
 from bl_ext.user_default.plausible_brdf.addon import version
 path = version._MANIFEST
 whole = path.read_text()
-for text, word in (("version = ", "cannot be read"), ('id = "x"', "cannot be read"), ('version = "new"', "no numbers"),
+for text, word in (("version = ", "cannot be read"), ('id = "x"', "cannot be read"), ('version = "new"', "expected numbers"),
                    (None, "cannot be read")):
     path.write_text(text) if text is not None else path.unlink()
     try:

@@ -31,7 +31,7 @@ def add_arguments(parser):
                         metavar=("FROM", "TO"), help="range of exponents of the tables; the number of rows stays, so a "
                         "shorter range is finer. Materials outside render striped (default: 1 100000)")
     parser.add_argument("--check", action="store_true",
-                        help="write nothing; measure the error of every table again, and fail where a table is stale or wrong")
+                        help="write nothing; measure every table's error again, and fail where one is stale or wrong")
     parser.add_argument("--base-lobes", action="store_true",
                         help="fit the shaders' base lobes instead (noise, blur and speed; needs SciPy)")
     parser.add_argument("--weights", metavar="MODEL",
@@ -132,7 +132,7 @@ def _state_weights(arguments):
         return
     print(f"{model.label}: {report['rows']} views, {report['numbers']} numbers, baked in {seconds:.1f} s\n"
           f"residual, for kernels: {100.0 * report['left']:.2g} % of the light at the median view\n"
-          "between views that were baked, before the blur of kernels:\n  view    lobe   albedo")
+          "errors between baked views, before the kernels' blur:\n  view    lobe   albedo")
     for angle, lobe, albedo in zip(report["theta"], errors.lobe, errors.albedo, strict=True):
         print(f"{angle:5.1f}° {100.0 * lobe:6.2f} % {100.0 * albedo:+6.2f} %")
 

@@ -1,1 +1,1 @@
-"""What makes and measures the project and is not in the extension: demos, figures, benchmarks, pages, packaging."""
+"""Tools of a checkout, which the extension lacks: demos, figures, benchmarks, pages, packaging."""

@@ -1,1 +1,1 @@
-"""Which parameters make one model look like another, or like data: matched by the lobe's width, or fitted."""
+"""Parameters that make one model look like another or like data: by matching the lobe's width, or by fitting."""

@@ -1,7 +1,7 @@
-"""Float32 RGBA OpenEXR images, uncompressed scanlines: all that an albedo table needs, in NumPy alone.
+"""Float32 RGBA OpenEXR images of uncompressed scanlines, read and written by NumPy alone.
 
-Blender 4.2 bundles no Python OpenImageIO, and tables must be read and baked there too; the tests hold this file against
-OpenImageIO in both directions. Format: "OpenEXR File Layout", openexr.com.
+Albedo tables need no more. Blender 4.2 bundles no OpenImageIO for Python, and tables are read and baked there, too. The
+tests compare this module with OpenImageIO in both directions. Format: "OpenEXR File Layout", openexr.com.
 """
 import struct
 from pathlib import Path
@@ -10,14 +10,16 @@ import numpy as np
 
 from .errors import BrdfError
 
+# The file's first four bytes, the format's version, and the code of float channels.
 _MAGIC, _VERSION, _FLOAT = 20000630, 2, 2
-_CHANNELS = "ABGR"  # a scanline stores its channels in alphabetical order
+# A scanline stores its channels in alphabetical order.
+_CHANNELS = "ABGR"
 
 
 class ExrError(BrdfError):
-    """The file is not an image that this module wrote, or it is damaged.
+    """The file is damaged, or is not of the kind that this module writes.
 
-    `code` is "header", "format" (another kind of EXR, or none) or "truncated".
+    `code` is "header", "format" (another kind of EXR, or no EXR) or "truncated".
     """
 
 
@@ -26,7 +28,8 @@ def _attribute(name, kind, payload):
 
 
 def encode(pixels: np.ndarray, metadata: dict) -> bytes:
-    """Bytes of an EXR file from `pixels` (height, width, 4) in RGBA order, and `metadata` as string attributes."""
+    """The bytes of an EXR file with `pixels` (height, width, 4) in RGBA order and `metadata` as string attributes."""
+    # The header: its attributes, and the table of the scanlines' offsets.
     height, width = pixels.shape[:2]
     channels = b"".join(c.encode() + b"\0" + struct.pack("<iB3xii", _FLOAT, 0, 1, 1) for c in _CHANNELS) + b"\0"
     window = struct.pack("<4i", 0, 0, width - 1, height - 1)
@@ -44,6 +47,7 @@ def encode(pixels: np.ndarray, metadata: dict) -> bytes:
         + [_attribute(key, "string", str(value).encode()) for key, value in metadata.items()]
         + [b"\0"]
     )
+    # The offsets and the scanlines, channel by channel.
     line_bytes = width * 4 * len(_CHANNELS)
     first = len(header) + 8 * height
     offsets = np.arange(height, dtype="<u8") * (8 + line_bytes) + first
@@ -53,7 +57,7 @@ def encode(pixels: np.ndarray, metadata: dict) -> bytes:
 
 
 def decode(data: bytes):
-    """Return (pixels (height, width, 4) float32 in RGBA order, metadata). Raises ExrError when `data` is damaged."""
+    """Returns (pixels (height, width, 4) float32 in RGBA order, metadata {name: text}). Raises ExrError."""
     try:
         return _decode(data)
     except ExrError:
@@ -65,6 +69,7 @@ def decode(data: bytes):
 def _decode(data):
     if struct.unpack_from("<ii", data) != (_MAGIC, _VERSION):
         raise ExrError("not an uncompressed scanline EXR image", "format")
+    # {name: (type, bytes)}, by null-terminated names and types and the size of each value.
     at, attributes = 8, {}
     while data[at] != 0:
         name_end = data.index(b"\0", at)
@@ -75,6 +80,7 @@ def _decode(data):
             raise ExrError("truncated header", "header")
         attributes[data[at:name_end].decode()] = (data[name_end + 1 : kind_end].decode(), data[start : start + size])
         at = start + size
+    # The kind of image and its size.
     channels = attributes["channels"][1]
     if channels.count(b"\0\2\0\0\0") != 4 or attributes["compression"][1] != b"\0":
         raise ExrError("expected four uncompressed float channels R, G, B, A", "format")
@@ -86,6 +92,7 @@ def _decode(data):
         needed = body + height * block
         raise ExrError(f"truncated or resized: {len(data)} bytes where {width} x {height} pixels need {needed}",
                        "truncated")
+    # Each scanline has 8 bytes of its own header before its channels.
     lines = np.frombuffer(data, np.uint8, offset=body).reshape(height, block)[:, 8:]
     pixels = np.ascontiguousarray(lines).view("<f4").reshape(height, 4, width).transpose(0, 2, 1)[:, :, ::-1]
     metadata = {key: value.decode() for key, (kind, value) in attributes.items() if kind == "string"}
@@ -93,7 +100,7 @@ def _decode(data):
 
 
 def write(path: Path, pixels: np.ndarray, metadata: dict):
-    """Write an EXR file beside `path`, then rename: an older file stays whole until the new one is."""
+    """Writes an EXR file under another name, then renames it to `path`. An existing file stays whole until then."""
     path = Path(path)
     beside = path.with_name(f".{path.name}.{id(pixels):x}.part")
     try:
@@ -104,7 +111,7 @@ def write(path: Path, pixels: np.ndarray, metadata: dict):
 
 
 def read(path: Path):
-    """Read what `write` wrote: see `decode`. Raises ExrError that names the file, OSError when it cannot be opened."""
+    """Reads a file that `write` wrote, see `decode`. Raises ExrError, which names the file, and OSError."""
     try:
         return decode(Path(path).read_bytes())
     except ExrError as error:

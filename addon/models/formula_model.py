@@ -1,6 +1,6 @@
-"""Models that are a formula and nothing else: they render through weights that are baked for their parameters.
+"""Models that consist of a formula alone. They render by lobe rows that are baked for their parameters.
 
-This is the whole of what a new model needs: a function in NumPy, what to draw from, how wide it is.
+A new model needs no more than this: a function in NumPy, a sampler, and the lobe's width.
 """
 from dataclasses import dataclass
 
@@ -13,16 +13,22 @@ from .registry import Model
 
 @dataclass(frozen=True)
 class FormulaModel(Model):
-    """f(V, L) = lobe(V, L) times a colour, plus a diffuse colour times an amount.
+    """f(V, L) = lobe(V, L) times a color, plus the parameter `diffuse_color` times a diffuse factor.
 
-    `lobe(view, light, p)` (N,) in 1/sr is asked above the horizon only. `colour(view, light, p)` gives (N, 3), or None
-    where it is white. `diffuse(view, light, p)` gives the amount of `diffuse_color` (N,) or (N, 3), in 1/sr.
-    `sampler(p)` is what `sample` draws from (see samplers.py). `width(p)` is about the root mean square slope of the
-    half vectors of the narrowest lobe: it says how fine to look. `symmetric` tells whether f(V, L) = f(L, V) is
-    claimed. `stretched(p)`, of models that know a tangent, x, gives the widths of the lobe along and across it, the
-    larger 1. `mirrored(p)`, of models whose lobe may have any shape, tells whether it is its own mirror image about the
-    tangent and about the direction across it. `spike(mu, p)`, where there is one, is the reflectance (N, 3) of a
-    perfect mirror on top, which is no part of f.
+    Functions take views and lights (N, 3) above the horizon, and resolved parameters `p`.
+
+    - `lobe(view, light, p)`: the lobe (N,) in 1/sr.
+    - `sampler(p)`: the distribution of `sample` and `pdf`, see samplers.py.
+    - `width(p)`: about the root mean square slope of the half vectors of the narrowest lobe. It sets how dense the
+      nodes of integrals are.
+    - `colour(view, light, p)`: the color (N, 3), or None if it is white.
+    - `diffuse(view, light, p)`: the diffuse factor (N,) or (N, 3) in 1/sr.
+    - `symmetric`: whether f(V, L) = f(L, V).
+    - `stretched(p)`, of models with a tangent, x: the widths of the lobe along and across it, the larger of them 1.
+    - `mirrored(p)`, of lobes of any shape: whether the lobe is symmetric about the tangent and about the direction
+      across it.
+    - `spike(mu, p)`: the reflectance (N, 3) at N·V = `mu` (N,) of a perfect mirror, which is added to the albedo but is
+      no part of f.
     """
 
     lobe: object
@@ -53,14 +59,15 @@ class FormulaModel(Model):
         return (albedo if albedo.ndim == 2 else albedo[:, None]) + self.spike(mu, p)
 
     def albedo_from(self, view, p):
-        """Albedo without the spike for one view (3,), of resolved parameters: a number or (3,)."""
+        """Albedo without the spike for one view (3,) and resolved parameters `p`: a number or (3,)."""
         return quadrature.hemisphere(lambda v, light: self._value(v, light, p), view, self.width(p),
                                      mirrored=self.stretched is None)
 
     def lights(self, view, p, widest: float, **counts):
-        """Lights (N, 3) and weights (N,), solid angle times N·L, to integrate what is like the lobe of one view (3,).
+        """Quadrature for functions like the lobe at one view (3,): lights (N, 3) and weights (N,).
 
-        A lobe wider than `widest` is looked at as if it were that; `counts` are those of quadrature.hemisphere_nodes.
+        A weight is the solid angle times N·L. The lobe's width is clamped to `widest`. `counts` are arguments of
+        `quadrature.hemisphere_nodes`.
         """
         return quadrature.hemisphere_nodes(view, min(self.width(p), widest), self.stretched is None, **counts)
 
@@ -71,22 +78,21 @@ class FormulaModel(Model):
         return self.sampler(p).pdf(view, light)
 
 
-
 def constant(view, light, p):
-    """The parameter `base_color`, or None where it is white."""
+    """The parameter `base_color` (N, 3), or None if it is white."""
     white = p["base_color"] == (1.0, 1.0, 1.0)
     return None if white else np.broadcast_to(np.asarray(p["base_color"]), (len(view), 3))
 
 
 def schlick(view, light, p):
-    """Schlick's factor from `base_color` at normal incidence to 1, at V·H; None where that is white."""
+    """Schlick's factor (N, 3) at V·H, from `base_color` at normal incidence to 1. None if it is white."""
     if p["base_color"] == (1.0, 1.0, 1.0):
         return None
     return fresnel.schlick(dot(view, half(view, light)), p["base_color"], (1.0, 1.0, 1.0))
 
 
 def factor(view, light, p):
-    """The factor of the parameters COLOUR at V·H, or None where it is white."""
+    """The Fresnel factor (N, 3) of the parameters COLOUR at V·H, or None if it is white."""
     if fresnel.is_white(p):
         return None
     mu = dot(view, half(view, light))
@@ -94,5 +100,5 @@ def factor(view, light, p):
 
 
 def lambert(view, light, p):
-    """1 / pi."""
+    """Lambert's diffuse factor 1 / pi, (N,)."""
     return np.full(len(view), 1.0 / np.pi)

@@ -1,14 +1,15 @@
-"""Reading between evenly laid nodes, by polynomials through six of them."""
+"""Interpolation between evenly spaced nodes, by polynomials through six of them."""
 import numpy as np
 
+# The number of nodes that a polynomial passes through.
 POINTS = 6
 
 
 class Reader:
-    """Reads nodes at places that are the same for many of them.
+    """Interpolates any values at nodes to positions that are fixed at construction.
 
-    `position` (...,) are numbers of nodes, with fractions, in a row of `count` nodes, of which the first has the number
-    `first` of all; `count` and `first` are numbers, or one for each position.
+    `position` (...,) is a fractional index, 0 .. count - 1, in a row of `count` nodes. The row begins at the index
+    `first` of the nodes passed to `read`. `count` and `first` are numbers, or arrays with one entry per position.
     """
 
     def __init__(self, position, count, first=0):
@@ -17,7 +18,7 @@ class Reader:
         self._weights = _lagrange(position - begin)
 
     def read(self, nodes) -> np.ndarray:
-        """Values (...,) of nodes (N,)."""
+        """Values (...,) at the positions, from values `nodes` (N,) at the nodes."""
         value = self._weights[0] * nodes[self._begin]
         for i, weight in enumerate(self._weights[1:], 1):
             value += weight * nodes[self._begin + i]
@@ -25,8 +26,8 @@ class Reader:
 
 
 def _lagrange(t):
-    """Weights (...,) of the nodes 0, 1, .. of a polynomial through them all, at `t` (...,)."""
-    # Products of t - j over the nodes before each one, and over those after it.
+    """Lagrange's weights at `t` (...,) of the nodes 0 .. POINTS - 1: a list of POINTS arrays (...,)."""
+    # Products of t - j over the nodes j before each node, and over the nodes after it.
     before, after = [np.ones_like(t)], [np.ones_like(t)]
     for j in range(POINTS - 1):
         before.append(before[-1] * (t - j))

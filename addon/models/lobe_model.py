@@ -1,4 +1,4 @@
-"""Models of one symmetric lobe over a correction term, with a colour factor that depends on V·H."""
+"""Models of one symmetric lobe over a correction term, with a color factor that depends on V·H."""
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -13,10 +13,11 @@ from .registry import Model
 
 @dataclass(frozen=True)
 class LobeModel(Model):
-    """f(V, L) = lobe(V, L; n) / D(V, L) times a colour factor.
+    """f(V, L) = lobe(V, L; n) / D(V, L) times a color factor.
 
-    `correction` is "none", "pumped" (D from `albedos`, by `pumps` and `control`) or "limit" (max(N·L, N·V)).
-    `roughness` is the other way to give `exponent`.
+    `lobe` is one of `lobes`. `correction` is "none" (D = 1), "pumped" (D from `albedos`, by the parameters `pumps` and
+    `control`) or "limit" (D = max(N·L, N·V)). The parameter `roughness` sets n in place of `exponent` if
+    `use_roughness` is on.
     """
 
     lobe: object
@@ -28,7 +29,10 @@ class LobeModel(Model):
         return replace(self, albedos=albedos)
 
     def resolve(self, given: dict) -> dict:
-        """All parameters checked and completed with defaults; `exponent` follows `roughness` where that is used."""
+        """See `Model`. `exponent` is computed from `roughness` if that is used.
+
+        A `roughness` without `use_roughness` turns that on. Raises ValueError if `exponent` is given as well.
+        """
         values = super().resolve(given)
         if "roughness" in given and "use_roughness" not in given:
             if "exponent" in given:
@@ -44,11 +48,13 @@ class LobeModel(Model):
         return value if fresnel.is_white(p) else value[:, None] * self._factor(dot(view, half(view, light)), p)
 
     def _albedo(self, mu, p):
+        # Intervals of the integral end at the correction's kinks.
         edges = ()
         if self.correction == "pumped":
             edges = self.albedos.kinks(self.lobe, p.get("control", False), p["exponent"], p["pumps"])
         nodes = meridians(self.lobe, p["exponent"], mu, polar=32, azimuthal=48, edges=edges)
         energy = nodes.energy / self._correction(mu[:, None], nodes.light_cosine, p)[..., None]
+        # The sum over all nodes, with the color at each node's V·H.
         if fresnel.is_white(p):
             return energy.sum(axis=(1, 2))
         factor = self._factor(nodes.view_dot_half.ravel(), p).reshape(energy.shape + (3,))
@@ -61,6 +67,7 @@ class LobeModel(Model):
         return self.lobe.pdf(view, light, p["exponent"])
 
     def _correction(self, mu_view, mu_light, p):
+        """D for cosines N·V and N·L, which broadcast."""
         if self.correction == "limit":
             return pumping.limit(mu_view, mu_light)
         if self.correction == "none":

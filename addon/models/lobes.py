@@ -1,4 +1,13 @@
-"""The lobes that are pumped: a power of R·L (Phong), a power of N·H (Blinn), a symmetric lump on the disk."""
+"""The lobes that LobeModel pumps: a power of R·L (Phong), a power of N·H (Blinn), a reciprocal lump on the disk.
+
+All have the same members:
+
+- `value`: f_0 of views and lights. `pdf` and `sample`: a distribution that resembles it.
+- `value_of_angles`, `azimuths`, `reach`, `ends`: what quadrature.py needs to place nodes and to evaluate f_0 at them.
+- `ends_steeply`: whether f_0 falls to 0 like a square root at the end of its azimuths.
+- `steepest`: the largest angle of a view, in radians.
+- `kinks`: cosines of the view at which the albedo has a kink.
+"""
 import numpy as np
 
 from . import disk
@@ -9,12 +18,12 @@ TWO_PI = 2.0 * np.pi
 
 
 class PhongLobe:
-    """Reciprocal Phong: f_0 = (n+2)/(2 pi) max(R·L, 0)^n, Neumann et al. eq. 6 with Lewis' normalisation."""
+    """Reciprocal Phong: f_0 = (n+2)/(2 pi) max(R·L, 0)^n, Neumann et al. eq. 6 with Lewis' normalization."""
 
     id = "phong"
     ends_steeply = False
     steepest = 0.5 * np.pi
-    kinks = ()  # cosines of the view at which the albedo has a kink
+    kinks = ()
 
     @staticmethod
     def value(view, light, n):
@@ -53,12 +62,12 @@ class PhongLobe:
 
     @staticmethod
     def ends(theta):
-        """Light angles, but for those at its reach, where the lobe ends for a view at `theta`: none."""
+        """Light angles, other than those of `reach`, at which the lobe ends for a view at `theta`: none."""
         return []
 
     @staticmethod
     def half_vector_exponent(n):
-        """Exponent of the half-vector power that is as wide."""
+        """Exponent of the half-vector power of the same width."""
         return 4.0 * n
 
 
@@ -68,7 +77,7 @@ class HalfVectorLobe:
     id = "blinn"
     ends_steeply = False
     steepest = 0.5 * np.pi
-    kinks = ()  # cosines of the view at which the albedo has a kink
+    kinks = ()
 
     @staticmethod
     def value(view, light, n):
@@ -79,15 +88,15 @@ class HalfVectorLobe:
     def pdf(view, light, n):
         """Density of `sample` in 1/sr over the whole sphere, shape (N,)."""
         h = half(view, light)
-        # Below the horizon the half vector drawn is the one of h and -h that lies above it: see `sample`.
+        # The sampled half vector is the one of h and -h that is above the horizon: see `sample`.
         return (n + 1.0) / TWO_PI * np.abs(h[:, 2]) ** n / (4.0 * np.maximum(dot(view, h), 1e-12))
 
     @staticmethod
     def sample(view, u, n):
         """Directions (N, 3) with the density `pdf` from uniform numbers `u` (N, 2); some lie below the horizon.
 
-        Where the half vector drawn faces away from the view, its negative reflects to the same direction, which then
-        lies below the horizon.
+        A sampled half vector that faces away from the view reflects to a direction below the horizon. Its negative
+        reflects to the same direction.
         """
         normal = np.broadcast_to([0.0, 0.0, 1.0], view.shape)
         return reflect(view, around(normal, u[:, 0] ** (1.0 / (n + 1.0)), TWO_PI * u[:, 1]))
@@ -112,27 +121,28 @@ class HalfVectorLobe:
 
     @staticmethod
     def ends(theta):
-        """Light angles, but for those at its reach, where the lobe ends for a view at `theta`: none."""
+        """Light angles, other than those of `reach`, at which the lobe ends for a view at `theta`: none."""
         return []
 
     @staticmethod
     def half_vector_exponent(n):
-        """Exponent of the half-vector power that is as wide."""
+        """Exponent of the half-vector power of the same width."""
         return n
 
 
 class ReciprocalDiskLobe:
     """A lump on the halfway vector disk made reciprocal: f_0 = sqrt(f(V, L) f(L, V)).
 
-    f is the scaling projection's (Edwards et al. eq. 20) of the largest round lump about the origin that stays on the
-    disk. Its h = (N·V) tan(theta_h) and radius 1 - sin(theta_v) are in the ratio tan(theta_h) / tan(45° - theta_v/2):
-    the lobe ends where the half vector is 45° - theta/2 from the normal, theta being the larger of both angles.
+    f is the BRDF, by the scaling projection (Edwards et al. eq. 20), of the largest round lump about the origin that
+    lies inside the disk. |h| = (N·V) tan(theta_h) relative to the radius 1 - sin(theta_v) is tan(theta_h) /
+    tan(45° - theta_v/2). The lobe therefore ends where the half vector is 45° - theta/2 from the normal, with theta the
+    larger of the angles of view and light.
     """
 
     id = "disk"
-    ends_steeply = True  # like a square root, for small exponents
-    steepest = 0.5 * np.pi - 1e-4  # view: at grazing it shrinks to nothing, in shape unchanged
-    kinks = (np.cos(np.pi / 6.0),)  # where all of `ends` meet
+    ends_steeply = True  # for small exponents
+    steepest = 0.5 * np.pi - 1e-4  # at grazing the lobe shrinks to a point; its shape does not change
+    kinks = (np.cos(np.pi / 6.0),)  # all angles of `ends` are equal there
 
     @staticmethod
     def value(view, light, n):
@@ -142,6 +152,7 @@ class ReciprocalDiskLobe:
 
     @staticmethod
     def _lump(mu_view, n):
+        """The largest round lumps about the origin that lie inside the disk at N·V = `mu_view` (N,)."""
         return disk.Lump(np.zeros(2), disk.room(mu_view)[:, None] * np.ones(2), n)
 
     @staticmethod
@@ -152,20 +163,20 @@ class ReciprocalDiskLobe:
 
     @staticmethod
     def sample(view, u, n):
-        """Directions (N, 3) with the density `pdf` from uniform numbers `u` (N, 2): the view's own lump."""
+        """Directions (N, 3) with the density `pdf` from uniform numbers `u` (N, 2): samples of f's lump."""
         return disk.SCALING.light(view, ReciprocalDiskLobe._lump(view[:, 2], n).sample(u))
 
     @staticmethod
     def value_of_angles(across2, mu_view, mu_light, n):
         """f_0 from the squared length of the in-plane part of V+L and the two cosines; they broadcast."""
         up2 = np.maximum((mu_view + mu_light) ** 2, 1e-300)
+        # The product of both lumps' densities, each times the squared cosine.
         tan2 = across2 / up2
         product = 1.0
         for mu in (mu_view, mu_light):
             slope2 = np.maximum((disk.room(mu) / np.maximum(mu, 1e-150)) ** 2, 1e-300)
-            # The lump's density times (N·V)^2.
             product = product * (n + 1.0) / np.pi / slope2 * np.maximum(1.0 - tan2 / slope2, 0.0) ** n
-        # L·H = |V+L| / 2 and N·H = (N·V + N·L) / |V+L|.
+        # The common denominator, with L·H = |V+L| / 2 and N·H = (N·V + N·L) / |V+L|.
         squared = across2 + up2
         shared = 2.0 * np.sqrt(np.maximum(mu_view * mu_light, 1e-300)) * up2**1.5 / squared
         return np.sqrt(product) / shared
@@ -175,7 +186,8 @@ class ReciprocalDiskLobe:
         """Scale and end of the lobe over the azimuth from the mirror plane: (scale, end), both in radians."""
         b = np.maximum(np.sin(theta_view) * np.sin(theta_light), 1e-12)
         slope2 = np.tan(0.25 * np.pi - 0.5 * np.maximum(theta_view, theta_light)) ** 2
-        # tan^2 of the half vector is at most slope^2; solved for sin^2 of half the azimuth, without cancellation.
+        # The end: tan^2 of the half vector's angle is slope^2. Solved for sin^2 of half the azimuth, without
+        # cancellation.
         mean2 = np.cos(0.5 * (theta_view + theta_light)) ** 2
         apart2 = np.sin(0.5 * (theta_view - theta_light)) ** 2
         sin2 = mean2 * np.maximum(slope2 - (1.0 + slope2) * apart2, 0.0) / b
@@ -184,23 +196,24 @@ class ReciprocalDiskLobe:
 
     @staticmethod
     def reach(n, floor, theta=0.0):
-        """Angle from the mirror direction at which the lobe has fallen to `floor` of its peak at a view of `theta`."""
+        """Angle from the mirror direction at which the lobe has fallen to `floor` of its peak, view at `theta`."""
         widest = np.tan(0.25 * np.pi - 0.5 * np.asarray(theta)) * np.sqrt(1.0 - floor ** (1.0 / n))
         return 2.0 * np.arctan(widest)
 
     @staticmethod
     def ends(theta):
-        """Light angles, but for those at its reach, where the lobe ends for a view at `theta`.
+        """Light angles, other than those of `reach`, at which the lobe ends for a view at `theta`.
 
-        On the mirror's side of the plane of incidence it ends where the light's own lump, then the smaller, does; on
-        the view's own side either lump may end it: around the normal, at less than that, all azimuths are lit.
+        On the mirror direction's side of the plane of incidence, the lobe ends with the lump of the light, which is the
+        smaller one there. On the view's side it ends with either lump. At smaller light angles the lobe covers all
+        azimuths.
         """
         quarter = 0.25 * np.pi
         return [quarter + 0.5 * theta, 2.0 * (quarter - theta), quarter - 0.5 * theta]
 
     @staticmethod
     def half_vector_exponent(n):
-        """Exponent of the half-vector power that is as wide at normal incidence."""
+        """Exponent of the half-vector power of the same width at normal incidence."""
         return 2.0 * n
 
 

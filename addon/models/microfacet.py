@@ -1,11 +1,14 @@
-"""What microfacet models share: Beckmann's distribution of normals, two ways to shadow them."""
+"""Terms of microfacet models: Beckmann's distribution of normals, and two kinds of shadowing and masking."""
 import numpy as np
 
 from .geometry import dot, half
 
 
 def beckmann(h, mx, my=None):
-    """D(H) in 1/sr with the root mean square slopes m_x/√2, m_y/√2: ∫ D (N·H) dω = 1. (N,) of half vectors (N, 3)."""
+    """Beckmann's D(H) in 1/sr of half vectors `h` (N, 3), shape (N,). It is normalized: ∫ D (N·H) dω = 1.
+
+    The root mean square slopes along x and y are m_x/√2 and m_y/√2. `my` is `mx` by default.
+    """
     my = mx if my is None else my
     z = np.maximum(h[:, 2], 1e-9)
     tan2 = (h[:, 0] / (z * mx)) ** 2 + (h[:, 1] / (z * my)) ** 2
@@ -13,7 +16,7 @@ def beckmann(h, mx, my=None):
 
 
 def v_cavities(view, light):
-    """Shadowing and masking of V-shaped grooves, min(1, 2 (N·H)(N·V)/(V·H), 2 (N·H)(N·L)/(V·H)), (N,).
+    """Shadowing and masking by V-shaped grooves: min(1, 2 (N·H)(N·V)/(V·H), 2 (N·H)(N·L)/(V·H)), (N,).
 
     Source: Cook and Torrance 1982, after Torrance and Sparrow 1967.
     """
@@ -23,9 +26,9 @@ def v_cavities(view, light):
 
 
 def smith_beckmann(mu, m):
-    """Smith's masking 1 / (1 + Lambda) for Beckmann's slopes at the cosine `mu`, (N,).
+    """Smith's masking 1 / (1 + Lambda), (N,), for Beckmann's distribution with slope `m`, at cosines `mu` (N,).
 
-    Source: Walter, Marschner, Li, Torrance 2007, section 5.2, exactly and not by their rational fit.
+    Source: Walter, Marschner, Li, Torrance 2007, section 5.2: the exact formula, not the rational fit.
     """
     mu = np.clip(mu, 1e-9, 1.0)
     a = mu / (m * np.sqrt(np.maximum(1.0 - mu * mu, 1e-18)))
@@ -34,7 +37,7 @@ def smith_beckmann(mu, m):
 
 
 def erfc(x):
-    """Complementary error function of numbers >= 0 (...,), to a relative 1.2e-7.
+    """Complementary error function of numbers `x` >= 0 (...,), with a relative error of at most 1.2e-7.
 
     Source: Press et al., Numerical Recipes, 2nd ed., section 6.2.
     """
@@ -45,10 +48,12 @@ def erfc(x):
 
 
 def beckmann_lambda(tan2):
-    """Lambda of Smith's masking for Beckmann's slopes, by the rational fit that Cycles uses, (...) of `tan2` (...).
+    """Lambda (...) of Smith's masking for Beckmann's distribution, by the rational fit that Cycles uses.
 
-    `tan2` is the squared tangent of a direction's angle from the facet's normal, times alpha squared; with two widths,
-    (x alpha_x / z)^2 + (y alpha_y / z)^2. Source: Walter et al. 2007, the fit below eq. 27, in Heitz 2014's form.
+    `tan2` (...) is the squared tangent of a direction's angle from the facet's normal, times alpha squared. With two
+    widths it is (x alpha_x / z)^2 + (y alpha_y / z)^2.
+
+    Source: Walter et al. 2007, the fit below eq. 27, in Heitz 2014's form.
     """
     a = 1.0 / np.sqrt(np.maximum(tan2, 0.39))
     return np.where(tan2 < 0.39, 0.0, ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a))

@@ -1,7 +1,7 @@
-"""Directions drawn from the lobes that formulas are made of, with their exact densities.
+"""Samplers of the lobes of formulas, with their exact densities.
 
-A sampler has `sample(view, u)`, light directions (N, 3) from uniform numbers (N, 2), and `pdf(view, light)`, their
-density in 1/sr over the whole sphere (N,). Both take unit vectors (N, 3).
+A sampler has two methods. `sample(view, u)` returns light directions (N, 3) from uniform numbers `u` (N, 2) in 0..1.
+`pdf(view, light)` returns their density (N,) in 1/sr over the whole sphere. Views and lights are unit vectors (N, 3).
 """
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ TWO_PI = 2.0 * np.pi
 
 @dataclass(frozen=True)
 class Cosine:
-    """Lambert's: in proportion to N·L."""
+    """Lambert's lobe: the density is N·L / pi."""
 
     def sample(self, view, u):
         radius, phi = np.sqrt(1.0 - u[:, 0]), TWO_PI * u[:, 1]
@@ -27,7 +27,7 @@ class Cosine:
 
 @dataclass(frozen=True)
 class AxisPower:
-    """(n+1)/(2 pi) max(axis·L, 0)^n about `axis(view)`."""
+    """A power of a cosine: the density is (n+1)/(2 pi) max(axis·L, 0)^n with the axis `axis(view)` (N, 3)."""
 
     axis: object
     exponent: float
@@ -40,16 +40,17 @@ class AxisPower:
 
 
 class HalfVector:
-    """Half vectors with a density over the upper hemisphere, (pi - theta_h symmetric): the light mirrors the view.
+    """Samples half vectors in the upper hemisphere, and reflects the view about them.
 
-    A subclass draws them, `draw(u)` (N, 3) from (N, 2), and knows their `density(h)` in 1/sr (N,).
+    A subclass has `draw(u)`, half vectors (N, 3) from uniform numbers (N, 2), and `density(h)`, their density (N,) in
+    1/sr over the upper hemisphere.
     """
 
     def sample(self, view, u):
         return reflect(view, self.draw(u))
 
     def pdf(self, view, light):
-        # Below the horizon the half vector that was drawn is the one of h and -h that lies above it.
+        # The sampled half vector is the one of h and -h that is above the horizon.
         h = half(view, light)
         h = np.where(h[:, 2:] < 0.0, -h, h)
         return self.density(h) / (4.0 * np.maximum(np.abs(dot(view, h)), 1e-12))
@@ -57,7 +58,7 @@ class HalfVector:
 
 @dataclass(frozen=True)
 class HalfBeckmann(HalfVector):
-    """Half vectors as Ward draws them: exp(-tan²(cos²/m_x² + sin²/m_y²)) / (pi m_x m_y cos³)."""
+    """Half vectors by Ward's density exp(-tan²θ (cos²φ/m_x² + sin²φ/m_y²)) / (pi m_x m_y cos³θ)."""
 
     mx: float
     my: float
@@ -75,13 +76,13 @@ class HalfBeckmann(HalfVector):
 
 @dataclass(frozen=True)
 class HalfPower(HalfVector):
-    """Half vectors by sqrt((n_u+1)(n_v+1))/(2 pi) (N·H)^(n_u cos² + n_v sin²): Ashikhmin and Shirley 2000, eq. 6."""
+    """Half vectors by sqrt((n_u+1)(n_v+1))/(2 pi) (N·H)^(n_u cos²φ + n_v sin²φ): Ashikhmin and Shirley 2000, eq. 6."""
 
     nu: float
     nv: float
 
     def draw(self, u):
-        # atan2 of the stretched circle gives all four quadrants (their eq. 9 is for the first).
+        # atan2 on the stretched circle covers all four quadrants. Eq. 9 of the paper covers the first.
         phi = np.arctan2(np.sqrt(self.nu + 1.0) * np.sin(TWO_PI * u[:, 1]),
                          np.sqrt(self.nv + 1.0) * np.cos(TWO_PI * u[:, 1]))
         power = self.nu * np.cos(phi) ** 2 + self.nv * np.sin(phi) ** 2
@@ -94,23 +95,25 @@ class HalfPower(HalfVector):
 
 @dataclass(frozen=True, eq=False)
 class HalfCells(HalfVector):
-    """Half vectors by the `share` (rings, turns) of each cell of the hemisphere, and evenly in solid angle inside it.
+    """Half vectors by cells of the hemisphere: the cell by its `share` (rings, turns), uniform inside it.
 
-    `rings` (rings + 1,) are the edges of the rings in radians from the normal; a ring's cells are as wide as each
-    other. The shares sum to 1.
+    Uniform means in solid angle. `rings` (rings + 1,) are the edges of the rings in radians from the normal. All cells
+    of a ring have the same width. The shares sum to 1.
     """
 
     rings: np.ndarray
     share: np.ndarray
 
     def draw(self, u):
+        # The cell, by inversion of the cumulative shares.
         ends = np.cumsum(self.share.ravel())
-        place = u[:, 0] * ends[-1]
-        cell = np.minimum(np.searchsorted(ends, place), len(ends) - 1)
-        rest = np.clip(1.0 - (ends[cell] - place) / np.maximum(self.share.ravel()[cell], 1e-300), 0.0, 1.0)
+        position = u[:, 0] * ends[-1]
+        cell = np.minimum(np.searchsorted(ends, position), len(ends) - 1)
+        # The position inside the cell's interval is uniform, too: it sets the height inside the ring.
+        fraction = np.clip(1.0 - (ends[cell] - position) / np.maximum(self.share.ravel()[cell], 1e-300), 0.0, 1.0)
         ring, turn = np.divmod(cell, self.share.shape[1])
-        z = np.cos(self.rings)
-        return half_vectors(z[ring] + rest * (z[ring + 1] - z[ring]), TWO_PI * (turn + u[:, 1]) / self.share.shape[1])
+        z, phi = np.cos(self.rings), TWO_PI * (turn + u[:, 1]) / self.share.shape[1]
+        return half_vectors(z[ring] + fraction * (z[ring + 1] - z[ring]), phi)
 
     def density(self, h):
         rings, turns = self.share.shape
@@ -120,13 +123,13 @@ class HalfCells(HalfVector):
 
 
 def half_vectors(z, phi):
-    """Unit vectors (..., 3) whose part along the normal is `z` and whose azimuth is `phi`, which broadcast."""
+    """Unit vectors (..., 3) with the component `z` along the normal and the azimuth `phi`, which broadcast."""
     across = np.sqrt(np.maximum(1.0 - z * z, 0.0))
     return np.stack(np.broadcast_arrays(across * np.cos(phi), across * np.sin(phi), z), axis=-1)
 
 
 def half_power(h, nu, nv):
-    """(N·H)^((n_u h_x² + n_v h_y²) / (1 - h_z²)) of half vectors (N, 3), shape (N,)."""
+    """(N·H)^((n_u h_x² + n_v h_y²) / (1 - h_z²)) of half vectors `h` (..., 3), shape (...)."""
     across2 = h[..., 0] ** 2 + h[..., 1] ** 2
     power = np.where(across2 > 0.0, (nu * h[..., 0] ** 2 + nv * h[..., 1] ** 2) / np.maximum(across2, 1e-300), nu)
     return np.maximum(h[..., 2], 0.0) ** power
@@ -134,21 +137,23 @@ def half_power(h, nu, nv):
 
 @dataclass(frozen=True)
 class Mixture:
-    """One of `parts`, ((weight, sampler), ...), chosen in proportion to the weights."""
+    """A mixture of the samplers in `parts`, ((weight, sampler), ...), with probabilities by their weights."""
 
     parts: tuple
 
     def sample(self, view, u):
+        # The first uniform number chooses the sampler.
         chances = np.array([weight for weight, _ in self.parts], dtype=np.float64)
         ends = np.cumsum(chances / chances.sum())
         ends[-1] = 1.0
         chosen = np.minimum(np.searchsorted(ends, u[:, 0]), len(ends) - 1)
+        # Its position inside the chosen interval is uniform, too, and is used again.
         light = np.empty(view.shape)
         for i, (_, sampler) in enumerate(self.parts):
-            mine = chosen == i
+            rows = chosen == i
             low = ends[i - 1] if i else 0.0
-            again = np.clip((u[mine, 0] - low) / max(ends[i] - low, 1e-300), 1e-300, 1.0)
-            light[mine] = sampler.sample(view[mine], np.stack([again, u[mine, 1]], axis=-1))
+            reused = np.clip((u[rows, 0] - low) / max(ends[i] - low, 1e-300), 1e-300, 1.0)
+            light[rows] = sampler.sample(view[rows], np.stack([reused, u[rows, 1]], axis=-1))
         return light
 
     def pdf(self, view, light):

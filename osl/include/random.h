@@ -33,7 +33,7 @@ vector three_numbers(point hit, vector view, float place_u, float place_v)
     return numbers;
 }
 
-// The k-th of `count` points of a lattice that is shifted by the hit's numbers. Each point is uniform, and together they
-// are well spread. The second coordinate advances by the golden ratio.
+// The k-th of `count` points of a lattice that is shifted by the hit's numbers. Each point is uniform, and together
+// they are well spread. The second coordinate advances by the golden ratio.
 float lattice_u(vector numbers, int k, int count) { return SPOILT_U(mod((k + numbers[0]) / count, 1.0)); }
 float lattice_v(vector numbers, int k) { return SPOILT_V(mod(numbers[1] + GOLDEN_RATIO * k, 1.0)); }

@@ -116,9 +116,9 @@ float row_place(Row r, float row)
     return r.flipped ? 1.0 - t : t;
 }
 
-// Checks a table. The marker row at the top tells a valid table from a missing, stale or foreign image, and which way up
-// texture() reads it. Halfway to the first row texture() must read the mean of both, or the image has a wrong number of
-// rows. The numbers of the hit's row must be albedos.
+// Checks a table. The marker row at the top tells a valid table from a missing, stale or foreign image, and which way
+// up texture() reads it. Halfway to the first row texture() must read the mean of both, or the image has a wrong number
+// of rows. The numbers of the hit's row must be albedos.
 void table_check(string file, output Row r)
 {
     float height = r.axes.height + 2;

@@ -1,1 +1,1 @@
-"""What several tests need of Blender: materials, a recorder of panels, scenes, processes."""
+"""Helpers for tests in Blender: materials, a recorder of panels, scenes, processes."""

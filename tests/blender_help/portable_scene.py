@@ -1,6 +1,6 @@
-"""The scene that is sent on journeys: three materials of the three kinds there are, each on a sphere.
+"""The scene for tests of portability: three materials, one of each kind, each on a sphere.
 
-As a script, `python tests/blender_help/portable_scene.py FILE.blend` saves it in the Blender of that Python.
+As a script, `python tests/blender_help/portable_scene.py FILE.blend` saves the scene with that Python's Blender.
 """
 import os
 import sys
@@ -14,7 +14,7 @@ PUMPED, LUMP, BAKED = "Pumped Phong, painted", "Lump", "Ward"
 
 
 def build(*, lut="compiled"):
-    """Fill an empty file with the scene; returns it. The first material's exponent is driven by a packed image."""
+    """Fills an empty file with the scene; returns it. A packed image drives the first material's exponent."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     painted = create_material("pumped_phong", PUMPED, lut=lut, pumps=2.0, control=True)
@@ -40,25 +40,25 @@ def build(*, lut="compiled"):
 
 
 def settle(scene):
-    """Settings that are the scene's and no object's."""
+    """Sets the scene's own settings."""
     scene.render.engine, scene.cycles.shading_system = "CYCLES", True
     scene.render.resolution_x, scene.render.resolution_y = 1920, 640
 
 
 def bring(library, link):
-    """Fill an empty file with all that the file `library` shows, linked or appended; returns the scene."""
-    with bpy.data.libraries.load(str(library), link=link, relative=link) as (there, wanted):
-        wanted.objects, wanted.worlds = there.objects, there.worlds
+    """Links or appends the objects and world of the file `library` to an empty file; returns the scene."""
+    with bpy.data.libraries.load(str(library), link=link, relative=link) as (source, chosen):
+        chosen.objects, chosen.worlds = source.objects, source.worlds
     scene = bpy.context.scene
-    for thing in wanted.objects:
-        scene.collection.objects.link(thing)
-    scene.camera, scene.world = next(x for x in wanted.objects if x.type == "CAMERA"), wanted.worlds[0]
+    for body in chosen.objects:
+        scene.collection.objects.link(body)
+    scene.camera, scene.world = next(x for x in chosen.objects if x.type == "CAMERA"), chosen.worlds[0]
     settle(scene)
     return scene
 
 
 def paint(material):
-    """Drive the exponent by a checkerboard of 4 and 200, painted here and packed."""
+    """Drives the exponent by a packed image, a checkerboard of 4 and 200."""
     from addon.blender.material import groups, sockets
 
     tree = material.node_tree
@@ -75,13 +75,13 @@ def paint(material):
 
 
 def save(path, compress=False):
-    """Save the open file; the folder is made where there is none."""
+    """Saves the open file; makes the folder where it is missing."""
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False, compress=compress)
 
 
 def build_needy(library, folder):
-    """A scene that needs something of every kind, to be saved in `folder`, where it has a script and a picture."""
+    """Builds a scene that needs files of every kind, to be saved in `folder`; writes a script and a picture there."""
     from addon.blender.backend import osl
     from addon.blender.material import groups, sockets
 
@@ -92,7 +92,7 @@ def build_needy(library, folder):
     save(folder / "needy.blend")
     scene = bring(library, link=True)
     scene.cycles.device = "GPU"
-    scene.camera = scene.camera.copy()  # its own, or there would be nothing to render alone
+    scene.camera = scene.camera.copy()  # a linked camera would be missing in the copy
     scene.camera.data = scene.camera.data.copy()
     scene.collection.objects.link(scene.camera)
     for name, engine in (("No OSL", "CYCLES"), ("Workbench", "BLENDER_WORKBENCH")):
@@ -101,7 +101,7 @@ def build_needy(library, folder):
     sockets.by_id(groups.find_node(tables))["table_plain"].default_value = str(folder / "gone.exr")
     outside = create_material("phong", "Outside")
     script_of(outside).mode, script_of(outside).filepath = "EXTERNAL", "//metal.osl"
-    # A baked model keeps the name of the image that it was baked of.
+    # A baked model keeps the name of the image that it was baked from.
     baked = create_material("blinn", "Image")
     script_of(baked).inputs.new("NodeSocketString", "Image", identifier="image").default_value = "//star.png"
     picture = bpy.data.images.new("Wood", 4, 4)
@@ -110,7 +110,7 @@ def build_needy(library, folder):
     node = tables.node_tree.nodes.new("ShaderNodeTexImage")
     node.image = bpy.data.images.load("//wood.png")
     (folder / "metal.osl").write_text("shader metal(output closure color BSDF = 0) { BSDF = diffuse(N); }\n")
-    ball = next(thing for thing in bpy.data.objects if thing.name == PUMPED).copy()
+    ball = next(body for body in bpy.data.objects if body.name == PUMPED).copy()
     ball.data = ball.data.copy()
     scene.collection.objects.link(ball)
     ball.data.materials.clear()

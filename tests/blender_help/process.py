@@ -1,11 +1,11 @@
-"""Blender in a process of its own, with an empty user profile."""
+"""Runs Blender in a separate process, with an empty user profile."""
 import json
 import os
 import subprocess
 import sys
 
-# Blender 4.2 crashes and 4.5 hangs when a process ends with Python classes still registered: every script ends here,
-# and an error shows and fails it.
+# Blender 4.2 crashes and 4.5 hangs when a process ends with registered Python classes. So every script ends in `leave`,
+# and `fail` prints an error and fails the test.
 _FRAME = """
 import json, os, sys, traceback
 
@@ -43,7 +43,10 @@ leave(0)
 
 
 def run_blender(tmp_path, body, *arguments, profile="profile", **variables):
-    """Run `body` in a Blender of its own with an empty user profile; returns the JSON object it prints last, if any."""
+    """Runs `body` in a separate Blender with an empty user profile; returns the JSON object it prints last, or None.
+
+    `variables` are added to the environment. Fails where the process fails or prints a traceback.
+    """
     script = tmp_path / "script.py"
     script.write_text(_FRAME.replace("BODY", body), encoding="utf-8")
     folder = tmp_path / profile

@@ -1,13 +1,13 @@
-"""A layout that a panel can be drawn into without a window, and a context for it.
+"""A layout for drawing a panel without a window, and a context for the panel.
 
-Blender draws no panel without a window, and makes no layout for a script. The recorder stands in for one: it refuses
-every call, argument, property, icon and operator that the running Blender's own UILayout would refuse.
+Blender draws no panel without a window, and makes no layout for a script. The recorder replaces the layout: it rejects
+every call, argument, property, icon and operator that the running Blender's own UILayout rejects.
 """
 from types import SimpleNamespace
 
 
 class Recorder:
-    """A layout that checks what is drawn into it against UILayout's own description, and keeps it in `log`."""
+    """A layout that checks each call against UILayout's own description, and appends (function, arguments) to `log`."""
 
     def __init__(self, log):
         object.__setattr__(self, "log", log)
@@ -26,23 +26,23 @@ class Recorder:
 
         def call(*args, **kwargs):
             inputs = [p for p in declared.parameters if not p.is_output]
-            given = dict(zip((p.identifier for p in inputs), args, strict=False)) | kwargs
+            arguments = dict(zip((p.identifier for p in inputs), args, strict=False)) | kwargs
             accepted = {p.identifier: p for p in inputs}
-            unknown = set(given) - set(accepted)
+            unknown = set(arguments) - set(accepted)
             assert not unknown, f"layout.{name}() takes no {unknown}"
-            missing = {p.identifier for p in inputs if p.is_required} - set(given)
+            missing = {p.identifier for p in inputs if p.is_required} - set(arguments)
             assert not missing, f"layout.{name}() needs {missing}"
-            _check_arguments(name, given, accepted)
-            self.log.append((name, given))
+            _check_arguments(name, arguments, accepted)
+            self.log.append((name, arguments))
             if name == "operator":
-                return Button(given["operator"])
+                return Button(arguments["operator"])
             return Recorder(self.log) if name in ("row", "column", "box", "split") else None
 
         return call
 
 
 class Button:
-    """What layout.operator() returns: it takes the operator's own properties only."""
+    """The result of layout.operator(): it accepts the operator's own properties only."""
 
     def __init__(self, operator):
         object.__setattr__(self, "_rna", _operator_rna(operator))
@@ -63,25 +63,25 @@ def _operator_rna(name):
     return getattr(getattr(bpy.ops, module), function).get_rna_type()
 
 
-def _check_arguments(name, given, accepted):
+def _check_arguments(name, arguments, accepted):
     import bpy
 
-    for key, value in given.items():
+    for key, value in arguments.items():
         if accepted[key].type == "ENUM":
             assert value in accepted[key].enum_items, f"layout.{name}({key}={value!r})"
         if accepted[key].type == "STRING":
             assert isinstance(value, str), f"layout.{name}({key}={value!r})"
     if name == "prop":
-        assert given["property"] in given["data"].bl_rna.properties, given
-        getattr(given["data"], given["property"])
+        assert arguments["property"] in arguments["data"].bl_rna.properties, arguments
+        getattr(arguments["data"], arguments["property"])
     if name == "menu":
-        assert issubclass(getattr(bpy.types, given["menu"]), bpy.types.Menu)
+        assert issubclass(getattr(bpy.types, arguments["menu"]), bpy.types.Menu)
     if name == "operator":
-        _operator_rna(given["operator"])
+        _operator_rna(arguments["operator"])
 
 
 def context_for(bpy, material=None, engine="CYCLES", osl=True, space=None, device="CPU"):
-    """A context with a material tab, as far as the panels look at it."""
+    """A context with a material tab, with the attributes that the panels read."""
     cycles = SimpleNamespace(shading_system=osl, device=device)
     scene = SimpleNamespace(render=SimpleNamespace(engine=engine), cycles=cycles)
     return SimpleNamespace(
@@ -92,11 +92,12 @@ def context_for(bpy, material=None, engine="CYCLES", osl=True, space=None, devic
 
 
 def shader_editor(material):
+    """The space of a shader editor that shows a material."""
     return SimpleNamespace(type="NODE_EDITOR", tree_type="ShaderNodeTree", shader_type="OBJECT", id=material)
 
 
 def drawn(context, prefix="PLAUSIBLE_PT_"):
-    """What the panels whose poll succeeds draw, as a list of (layout function, its arguments)."""
+    """Draws the panels whose poll succeeds; returns a list of (layout function, its arguments)."""
     from addon.blender.ui.panels import CLASSES
 
     log = []
@@ -110,12 +111,15 @@ def drawn(context, prefix="PLAUSIBLE_PT_"):
 
 
 def properties(log):
-    return [given["property"] for name, given in log if name == "prop"]
+    """Names of the properties drawn."""
+    return [arguments["property"] for name, arguments in log if name == "prop"]
 
 
 def texts(log):
-    return " ".join(given.get("text", "") for name, given in log if name == "label")
+    """The labels' texts in one string."""
+    return " ".join(arguments.get("text", "") for name, arguments in log if name == "label")
 
 
 def operators(log):
-    return [given["operator"] for name, given in log if name == "operator"]
+    """Ids of the operators drawn."""
+    return [arguments["operator"] for name, arguments in log if name == "operator"]

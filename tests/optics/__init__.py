@@ -1,1 +1,1 @@
-"""Directions, scenes and statistics that several tests measure reflectance with."""
+"""Directions, scenes and statistics for the tests that measure reflectance."""

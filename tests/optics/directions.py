@@ -1,15 +1,15 @@
-"""Unit vectors, and figures of them, z being the normal and x the tangent."""
+"""Unit vectors and their histograms; z is the normal, x the tangent."""
 import numpy as np
 
 
 def toward(angle_deg, azimuth_deg=0.0):
-    """Unit vectors (N, 3), or (3,), so many degrees from the normal and from the tangent."""
+    """Unit vectors (N, 3), or (3,), at `angle_deg` from the normal and `azimuth_deg` from the tangent."""
     theta, phi = np.radians(np.broadcast_arrays(angle_deg, azimuth_deg))
     return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
 
 
 def directions(count, seed, least=0.02):
-    """Unit vectors (count, 3) above the horizon, a fifth of them near it."""
+    """Random unit vectors (count, 3) with z above `least`; a fifth of them lie near the horizon."""
     rng = np.random.default_rng(seed)
     mu = rng.uniform(least, 1.0, count)
     mu[::5] = rng.uniform(least, 0.1, len(mu[::5]))
@@ -19,10 +19,12 @@ def directions(count, seed, least=0.02):
 
 
 def cosines(angles_deg):
+    """Cosines of angles in degrees."""
     return np.cos(np.radians(angles_deg))
 
 
 def rgb(values):
+    """Values (N,) or (N, 3) as (N, 3)."""
     values = np.asarray(values, dtype=np.float64)
     return values if values.ndim == 2 else np.repeat(values[:, None], 3, axis=1)
 

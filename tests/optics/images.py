@@ -1,4 +1,4 @@
-"""Images of distributions of half vectors."""
+"""Images that serve as distributions of half vectors."""
 import numpy as np
 from scipy import ndimage
 
@@ -6,12 +6,13 @@ from addon.models import exr
 
 
 def grid(size):
-    """x to the right and y up of the pixels' centers, (size, size) each, row 0 at the top."""
-    at = (np.arange(size) + 0.5) * 2.0 / size - 1.0
-    return np.meshgrid(at, -at)
+    """x (to the right) and y (up) of the pixels' centers in -1..1, (size, size) each, row 0 at the top."""
+    centers = (np.arange(size) + 0.5) * 2.0 / size - 1.0
+    return np.meshgrid(centers, -centers)
 
 
 def spot(size=64, x=0.35, y=0.15, width=0.06):
+    """A Gaussian spot at (x, y), (size, size)."""
     across, up = grid(size)
     return np.exp(-((across - x) ** 2 + (up - y) ** 2) / width**2)
 
@@ -24,7 +25,7 @@ def letter(size=64):
 
 
 def written(folder, gray, name="map.exr"):
-    """The path of a float EXR that holds a picture (N, N)."""
+    """Writes a picture (N, N) as a float EXR; returns its path."""
     gray = np.asarray(gray, np.float32)
     exr.write(folder / name, np.stack([gray, gray, gray, np.ones_like(gray)], axis=-1), {})
     return str(folder / name)

@@ -1,4 +1,4 @@
-"""A sphere under a square lamp: what a sum over the lamp gives, and what Cycles shows."""
+"""A sphere under a square lamp: the sum over the lamp's points, and Cycles' picture."""
 import numpy as np
 
 from addon import brdf, create_material, measure
@@ -7,16 +7,16 @@ from optics.directions import rgb
 from optics.sun import ball
 
 AREA = {"energy": 200.0, "size": 0.5, "shape": "SQUARE", "distance": 3.5}
-AREA_DIRECTION = np.array([0.36, 0.48, 0.8])
+AREA_DIRECTION = np.array([0.36, 0.48, 0.8])  # from the sphere to the lamp
 
 
-def area_lamp(place):
-    place.shine("AREA", AREA_DIRECTION, **AREA)
+def area_lamp(stage):
+    """Adds the square lamp to a measuring scene."""
+    stage.shine("AREA", AREA_DIRECTION, **AREA)
 
 
 def zones_of(reference, resolution):
-    """Masks (4, H, W): the sphere, and three rings of it, from facing to grazing, that each give a third of the light.
-    """
+    """Masks (4, H, W): the sphere, and three rings of it from facing to grazing, each with a third of the light."""
     facing = np.nan_to_num(ball(resolution).normal[..., 2])
     light = np.where(facing > 0.05, reference.sum(axis=-1), 0.0)
     order = np.argsort(-facing, axis=None)
@@ -28,7 +28,10 @@ def zones_of(reference, resolution):
 
 
 def frames(resolution):
-    """(mask, position, tangent, bitangent) of the pixels that see the sphere; the view is in the x-z plane."""
+    """(mask (H, W), position, tangent, bitangent (N, 3)) of the pixels that see the sphere.
+
+    In a pixel's frame the view lies in the x-z plane.
+    """
     normal = ball(resolution).normal
     mask = np.nan_to_num(normal[..., 2]) > 0.05
     n = normal[mask]
@@ -39,8 +42,10 @@ def frames(resolution):
 
 
 def gathered(evaluate, resolution, lights_at):
-    """Sum of f (N·L) times light over a sphere: `lights_at(position)` gives directions (M, 3) and their light
-    (M, 3), radiance times solid angle. Returns (H, W, 3)."""
+    """Sums f (N·L) times light at each pixel of a sphere; returns (H, W, 3).
+
+    `lights_at(position)` gives directions (M, 3) and their light (M, 3), radiance times solid angle.
+    """
     mask, normals, tangents, bitangents = frames(resolution)
     image, values = np.zeros(mask.shape + (3,)), []
     for n, t, b in zip(normals, tangents, bitangents, strict=True):
@@ -55,12 +60,16 @@ def gathered(evaluate, resolution, lights_at):
 
 
 def lamp_points(position, count=12):
-    """A square lamp of Blender's, cut in count² Gauss points: radiance is power / (pi area), on the side that faces."""
+    """Directions (count², 3) from `position` to Gauss points of the square lamp, and their light (count², 3).
+
+    Light is radiance times solid angle. Blender's radiance is power / (pi area), on one side of the lamp.
+    """
     x, w = np.polynomial.legendre.leggauss(count)
     a = AREA_DIRECTION
     u = np.cross([0.0, 1.0, 0.0], a)
     u = u / np.linalg.norm(u)
     v = np.cross(a, u)
+    # The Gauss points on the lamp, which faces the origin.
     half_size = 0.5 * AREA["size"]
     grid_u, grid_v = np.meshgrid(half_size * x, half_size * x)
     point = AREA["distance"] * a + grid_u.reshape(-1, 1) * u + grid_v.reshape(-1, 1) * v
@@ -73,11 +82,11 @@ def lamp_points(position, count=12):
 
 
 def total_under_the_lamp(model, parameters, size=48, samples=64, pictures=6):
-    """All light of a sphere under the lamp over the formula's, less one, and its standard error."""
+    """The sphere's total light under the lamp over the formula's, less one, and its standard error."""
     reference = gathered(lambda view, light: brdf.MODELS[model].evaluate(view, light, **parameters), size, lamp_points)
     covered = zones_of(reference, size)[0]
-    with scene.MeasuringScene(create_material(model, **parameters), scene.BALL, size, exact_pixels=True) as place:
-        area_lamp(place)
-        place.look_from((0.0, 0.0, 1.0), 2.0 * (1.0 + 1.0 / size))
-        ratios = [measure.total_ratio(place.render(samples, seed), reference, covered) for seed in range(pictures)]
+    with scene.MeasuringScene(create_material(model, **parameters), scene.BALL, size, exact_pixels=True) as stage:
+        area_lamp(stage)
+        stage.look_from((0.0, 0.0, 1.0), 2.0 * (1.0 + 1.0 / size))
+        ratios = [measure.total_ratio(stage.render(samples, seed), reference, covered) for seed in range(pictures)]
     return np.mean(ratios) - 1.0, np.std(ratios, ddof=1) / np.sqrt(pictures)

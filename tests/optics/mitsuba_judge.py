@@ -1,9 +1,9 @@
-"""Mitsuba's verdict on models, in a process of its own: it and Blender each carry an LLVM, and one process bears one.
+"""Mitsuba's verdict on models, in a separate process: Mitsuba and Blender each bring an LLVM, and a process bears one.
 
-    python tests/optics/mitsuba_judge.py chi2 JOBS.json     prints what its chi-square test says of each job
+    python tests/optics/mitsuba_judge.py chi2 JOBS.json     prints the result of its chi-square test of each job
     python tests/optics/mitsuba_judge.py render JOBS.json   renders each job, and writes its pictures as .npy
 
-Jobs are lists of dicts; what each holds is said at the functions below. What is found is JSON on standard output.
+Jobs are lists of dicts; the functions below give their keys. Results are JSON on standard output.
 """
 import contextlib
 import ctypes
@@ -17,7 +17,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 with contextlib.suppress(OSError):
-    # Of Debian's this one: 15 and 16 cannot compile for AVX-512 what Dr.Jit asks for, which looks for any.
+    # Dr.Jit takes any LLVM it finds. Of Debian's versions, 15 and 16 cannot compile its code for AVX-512; 19 can.
     ctypes.CDLL("libLLVM.so.19.1")
     os.environ.setdefault("DRJIT_LIBLLVM_PATH", "libLLVM.so.19.1")
 
@@ -25,14 +25,14 @@ from addon.brdf import MODELS
 
 
 def chi2(mi, jobs):
-    """Of each {"name", "model", "parameters", "view": [x, y, z]}, perhaps with what its density is to be computed by,
-    {"claimed": parameters}, and "seed": {"name", "p_value", "passes", "messages"}.
+    """Tests each job {"name", "model", "parameters", "view": [x, y, z]}: {"name", "p_value", "passes", "messages"}.
 
-    "tests" is how many there are that together shall pass with 99 %.
+    Optional keys: "claimed" are the density's parameters where they differ, "seed" is the test's seed, and "tests" is
+    the number of tests that together pass with probability 99 %.
     """
     from mitsuba.chi2 import ChiSquareTest, SphericalDomain
 
-    found = []
+    rows = []
     for job in jobs:
         model, view = MODELS[job["model"]], np.array([job["view"]])
 
@@ -46,23 +46,23 @@ def chi2(mi, jobs):
 
         test = ChiSquareTest(SphericalDomain(), sample, pdf, 2, 1_000_000, res=101, ires=8, seed=job.get("seed", 0))
         passes = test.run(significance_level=0.01, test_count=job.get("tests", 1), quiet=True)
-        found.append({"name": job["name"], "p_value": float(test.p_value), "passes": bool(passes),
-                      "messages": test.messages})
-    return found
+        rows.append({"name": job["name"], "p_value": float(test.p_value), "passes": bool(passes),
+                     "messages": test.messages})
+    return rows
 
 
 def render(mi, jobs):
-    """Pictures of a ball of radius 1 at the origin under each {"model", "parameters", "light", "resolution", "width",
-    "samples", "seeds", "output"}: an array (seeds, resolution, resolution, 3) into the file `output`, row 0 at the
-    bottom.
+    """Renders a ball of radius 1 at the origin for each job; returns the paths of the pictures.
 
-    It is seen along -z by an orthographic camera whose picture is `width` across, +y up; a pixel is the mean over its
-    square. `light` holds one of "sky": radiance, "image": an equirectangular picture with Blender's axes, "sun":
-    direction, of irradiance pi, and "area": direction, with its "distance", "size" and "radiance".
+    A job is {"model", "parameters", "light", "resolution", "width", "samples", "seeds", "output"}. The file `output`
+    receives an array (seeds, resolution, resolution, 3), row 0 at the bottom. The camera looks along -z, orthographic,
+    with a picture `width` wide and +y up; a pixel is the mean over its square. `light` holds one of "sky": radiance,
+    "image": an equirectangular picture with Blender's axes, "sun": direction, of irradiance pi, and "area": direction,
+    with its "distance", "size" and "radiance".
     """
     import drjit as dr
 
-    # The formula is NumPy's: Mitsuba must have numbers when it asks for it, not traces.
+    # The formula is NumPy's: Mitsuba must evaluate it with numbers, not with traces.
     for flag in (dr.JitFlag.SymbolicCalls, dr.JitFlag.SymbolicLoops, dr.JitFlag.SymbolicConditionals):
         dr.set_flag(flag, False)
     mi.register_bsdf("formula", lambda props: formula(mi, props))
@@ -76,6 +76,7 @@ def render(mi, jobs):
 
 
 def camera(mi, job):
+    """The orthographic camera of a job, as a dict of Mitsuba's."""
     to_world = mi.ScalarTransform4f
     return {"type": "orthographic", "near_clip": 0.1, "far_clip": 100.0,
             "to_world": to_world().look_at(origin=[0, 0, 10], target=[0, 0, 0], up=[0, 1, 0])
@@ -86,6 +87,7 @@ def camera(mi, job):
 
 
 def light(mi, job):
+    """The light of a job, as a dict of Mitsuba's."""
     (kind, value), *more = job["light"].items()
     more = dict(more)
     if kind == "sky":
@@ -97,32 +99,33 @@ def light(mi, job):
         # Its y is Blender's z, and the middle of the picture, its z, is Blender's x.
         turned = mi.ScalarTransform4f([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
         return {"type": "envmap", "filename": value, "to_world": turned}
-    place = [x * more["distance"] for x in value]
+    position = [x * more["distance"] for x in value]
     half = 0.5 * more["size"]
     return {"type": "rectangle", "to_world": mi.ScalarTransform4f().look_at(
-        origin=place, target=[0, 0, 0], up=[0, 1, 0]) @ mi.ScalarTransform4f().scale([half, half, 1.0]),
+        origin=position, target=[0, 0, 0], up=[0, 1, 0]) @ mi.ScalarTransform4f().scale([half, half, 1.0]),
         "emitter": {"type": "area", "radiance": {"type": "rgb", "value": [more["radiance"]] * 3}}}
 
 
 def formula(mi, props):
-    """A material of Mitsuba's that is one of our models: value, sampler and density in NumPy."""
+    """A Mitsuba BSDF of one of our models, with value, sampler and density in NumPy."""
     import drjit as dr
 
     job = json.loads(props["job"])
     model, parameters = MODELS[job["model"]], job["parameters"]
 
     def rows(vector):
+        """Mitsuba's vectors as (N, 3)."""
         return np.array(vector, dtype=np.float64).T.reshape(-1, 3)
 
     def of_both(si, wo, active, function, columns):
-        """function(view, light) of those above the horizon, 0 of others: (N, columns)."""
+        """function(view, light) where both are above the horizon, 0 elsewhere: (N, columns)."""
         view, light = np.broadcast_arrays(rows(si.wi), rows(wo))
         up = np.array(active & (si.wi.z > 0.0) & (wo.z > 0.0), dtype=bool)
         up = np.broadcast_to(up, len(view)) & (view[:, 2] > 0.0) & (light[:, 2] > 0.0)
-        found = np.zeros((len(view), columns))
+        values = np.zeros((len(view), columns))
         if up.any():
-            found[up] = function(unit(view[up]), unit(light[up])).reshape(up.sum(), -1)
-        return found
+            values[up] = function(unit(view[up]), unit(light[up])).reshape(up.sum(), -1)
+        return values
 
     def unit(vector):
         return vector / np.linalg.norm(vector, axis=1, keepdims=True)
@@ -150,14 +153,14 @@ def formula(mi, props):
             drawn = np.tile([0.0, 0.0, -1.0], (len(view), 1))
             if up.any():
                 drawn[up] = model.sample(unit(view[up]), u[up], **parameters)
-            found = mi.BSDFSample3f()
-            found.wo = mi.Vector3f(drawn.T)
-            found.pdf = self.pdf(ctx, si, found.wo, active)
-            found.eta = 1.0
-            found.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
-            found.sampled_component = mi.UInt32(0)
-            weight = self.eval(ctx, si, found.wo, active) / found.pdf
-            return found, dr.select(found.pdf > 0.0, weight, 0.0)
+            result = mi.BSDFSample3f()
+            result.wo = mi.Vector3f(drawn.T)
+            result.pdf = self.pdf(ctx, si, result.wo, active)
+            result.eta = 1.0
+            result.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
+            result.sampled_component = mi.UInt32(0)
+            weight = self.eval(ctx, si, result.wo, active) / result.pdf
+            return result, dr.select(result.pdf > 0.0, weight, 0.0)
 
         def to_string(self):
             return f"Formula[{job['model']}]"
@@ -166,13 +169,14 @@ def formula(mi, props):
 
 
 def main(what, path):
+    """Does the jobs of the file `path`; `what` is chi2 or render."""
     import mitsuba as mi
 
     mi.set_variant("llvm_ad_rgb")
     jobs = json.loads(Path(path).read_text(encoding="utf-8"))
     with contextlib.redirect_stdout(sys.stderr):
-        found = {"chi2": chi2, "render": render}[what](mi, jobs)
-    print(json.dumps(found))
+        results = {"chi2": chi2, "render": render}[what](mi, jobs)
+    print(json.dumps(results))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,4 @@
-"""Pairs of a view and a light, each measured in Cycles as one number: a sun of no size on a plane, a lens without
-perspective."""
+"""Measures f (N·L) in Cycles for pairs of a view and a light: a sun of no size on a plane, an orthographic camera."""
 import numpy as np
 
 from addon.measure import Measurement, scene
@@ -7,25 +6,26 @@ from optics.directions import toward
 
 
 def measured(material, views, lights, samples, seed=0, resolution=16) -> Measurement:
-    """f (N·L) of `material` for unit vectors (N, 3) each, z being the normal and x the tangent, and its standard error.
+    """f (N·L) of `material` and its standard error, (N, 3) each, for unit `views` and `lights` (N, 3).
 
-    Its pixels are independent measurements of one number each: (N, 3) both.
+    z is the normal, x the tangent. The pixels of a render are independent measurements of one number.
     """
     rows = []
-    with scene.MeasuringScene(material, scene.PLANE, resolution) as place:
-        sun = place.shine("SUN", (0.0, 0.0, 1.0), energy=scene.SUN_ENERGY, angle=0.0)
+    with scene.MeasuringScene(material, scene.PLANE, resolution) as stage:
+        sun = stage.shine("SUN", (0.0, 0.0, 1.0), energy=scene.SUN_ENERGY, angle=0.0)
         for view, light in zip(views, lights, strict=True):
-            place.look_from(view)
-            place.aim(sun, light)
-            pixels = place.render(samples, seed).reshape(-1, 3) / np.pi
+            stage.look_from(view)
+            stage.aim(sun, light)
+            pixels = stage.render(samples, seed).reshape(-1, 3) / np.pi
             rows.append((pixels.mean(axis=0), pixels.std(axis=0, ddof=1) / np.sqrt(len(pixels))))
     return Measurement(*map(np.array, zip(*rows, strict=True)))
 
 
 def until_sharp(material, views, lights, wanted, least=64, most=4096):
-    """`measured`, with as many more samples, up to `most`, as a noise below `wanted` (N,) needs.
+    """`measured` with the samples, `least` to `most`, that bring the noise below `wanted` (N,).
 
-    A first look tells how many, and is not kept where it was too noisy: what it happened to show must not choose.
+    A first measurement estimates the samples. Pairs that were too noisy are measured again with another seed, and the
+    first value is dropped: otherwise the selection would bias the result.
     """
     value, noise = measured(material, views, lights, least)
     needed = np.minimum(least * (noise.max(axis=1) / (0.8 * wanted)) ** 2, most)
@@ -41,7 +41,7 @@ def until_sharp(material, views, lights, wanted, least=64, most=4096):
 
 
 def peak(model, given, view, count=4000):
-    """Largest f (N·L) of a model's lights for one view (3,): over the upper half, and where its own samples are."""
+    """Largest f (N·L) of a model for one view (3,), among lights over the hemisphere and `count` of its own samples."""
     rng = np.random.default_rng(3)
     drawn = model.sample(view, rng.random((count, 2)), **given)
     mu = (np.arange(60) + 0.5) / 60

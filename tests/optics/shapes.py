@@ -3,7 +3,7 @@
 A bake takes seconds: tests that ask for the same parameters share it.
 """
 COPPER = {"fresnel_type": "schlick", "base_color": (0.95, 0.64, 0.54)}
-# Another shape, a color that depends on angle, a diffuse part.
+# Each has another shape, a color that depends on the angle, or a diffuse part.
 OTHER = {
     "ward": {"roughness_u": 0.4, "roughness_v": 0.1, "base_color": (0.5, 0.4, 0.3), "diffuse_color": (0.1, 0.2, 0.3)},
     "ward_duer": {"roughness_u": 0.1, "roughness_v": 0.3},

@@ -1,1 +1,1 @@
-"""What the product is held against: formulas and quadratures that share no code with it."""
+"""Independent references for the tests: formulas and quadratures that share no code with the extension."""

@@ -1,4 +1,7 @@
-"""The literature's formulas for one view and one light, written anew from the sources, scalar, with `math`."""
+"""The literature's formulas for one view and one light, written again from the sources in scalar arithmetic.
+
+`v` and `light` are unit vectors, `p` a model's parameters by id; a formula returns f in 1/sr.
+"""
 import math
 from functools import lru_cache
 
@@ -27,7 +30,7 @@ def ward_peak(v, light, p):
 
 
 def bounded(v, light, p):
-    """In the form with H unnormalized, 1/(pi m_x m_y) exp(..) (H·H)/(H·N)^4."""
+    """The form with H not of unit length, 1/(pi m_x m_y) exp(..) (H·H)/(H·N)^4."""
     h = [a + b for a, b in zip(v, light, strict=True)]
     return 4.0 * ward_peak(v, light, p) * dot(h, h) / h[2] ** 4
 
@@ -49,7 +52,7 @@ def cosine_microfacet(v, light, p):
 
 
 def he_torrance(v, light, p):
-    """Eq. 76 to 82 with the vectors that the paper has them in; erfc and the root of eq. 81 are SciPy's."""
+    """Eq. 76 to 82 in the paper's vectors; erfc and the root of eq. 81 are SciPy's."""
     sigma, tau, wavelength = p["sigma"], p["tau"], p["wavelength"]
     k_r, k_i = np.array(v), -np.array(light)  # the wave travels towards the surface
     cot = [x[2] / math.hypot(x[0], x[1]) for x in (v, light)]
@@ -72,7 +75,7 @@ def he_torrance(v, light, p):
     s_i, s_r = s_i / np.linalg.norm(s_i), s_r / np.linalg.norm(s_r)
     p_i, p_r = np.cross(s_i, k_i), np.cross(s_r, k_r)
     along = k_r - k_i
-    geometry = ((along @ along) / along[2]) ** 2  # in units of the wave number, or f had a dimension
+    geometry = ((along @ along) / along[2]) ** 2  # in units of the wave number, otherwise f has a dimension
     geometry *= ((s_r @ k_i) ** 2 + (p_r @ k_i) ** 2) * ((s_i @ k_r) ** 2 + (p_i @ k_r) ** 2)
     geometry /= np.linalg.norm(np.cross(k_r, k_i)) ** 4
 
@@ -121,9 +124,9 @@ def blinn_original(v, light, p):
 
 @lru_cache(maxsize=1)
 def star():
-    """The shipped image, row 0 at the bottom, and the sum of its readings at 4e6 half vectors, even in solid angle."""
+    """The shipped image, row 0 at the bottom, and its integral over the hemisphere from 4e6 half vectors."""
     pixels = exr.read(tables.PACKAGED / "ndf_star.exr")[0][::-1, :, 1].astype(np.float64)
-    # Rings are narrow about the normal, where the image is bright.
+    # Rings are narrow near the normal, where the image is bright.
     edges = np.linspace(0.0, 0.5 * np.pi, 2001)
     z, phi = 0.5 * (np.cos(edges[1:]) + np.cos(edges[:-1])), np.arange(2000) * np.pi / 1000.0
     s = np.sqrt(1.0 - z * z)
@@ -133,7 +136,7 @@ def star():
 
 
 def ndf_map(v, light, p):
-    """Ashikhmin and Shirley's form with the star, read bilinearly between pixels' centers, over its integral."""
+    """Ashikhmin and Shirley's form with the star image, bilinear between pixels' centers, over the image's integral."""
     pixels, total = star()
     h, turn = half_of(v, light), 2.0 * math.pi * p["rotation"]
     x, y = (min(max(64.0 * (a + 1.0) - 0.5, 0.0), 127.0) for a in (math.cos(turn) * h[0] + math.sin(turn) * h[1],
@@ -144,7 +147,7 @@ def ndf_map(v, light, p):
 
 
 def kajiya_kay(v, light, p):
-    """The cosine of the angle between V and the cone of mirrored light, times what a strand receives."""
+    """A power of the cosine between V and the cone of mirrored light, times the light that a strand receives."""
     to_strand = abs(math.asin(light[0]) + math.asin(v[0]))
     value = max(math.cos(to_strand), 0.0) ** p["exponent"] * math.cos(math.asin(light[0]))
     return value * ((p["exponent"] + 2.0) / (2.0 * math.pi) if p["normalized"] else 1.0) / light[2]
@@ -164,12 +167,14 @@ FORMULA = {
 
 
 def by_hand(name, v, light, p):
-    """f of all channels (3,), from the formulas above."""
+    """f (3,) in 1/sr of the model `name`: the formula above times its color, plus its diffuse part."""
+    # The color, by Schlick's approximation where the model has Fresnel's effect.
     base, diffuse = np.array(p["base_color"]), np.array(p["diffuse_color"])
     color = base
     if name == "ashikhmin_shirley" or p.get("fresnel_type") == 1:
         edge = np.array(p.get("f90", (1.0, 1.0, 1.0)))
         color = base + (edge - base) * (1.0 - dot(v, half_of(v, light))) ** 5
+    # The diffuse part's f, Lambert's unless the model has its own.
     amount = 1.0 / math.pi
     if name == "ashikhmin_shirley":
         amount = 28.0 / (23.0 * math.pi) * (1.0 - base) * math.prod(

@@ -1,8 +1,8 @@
-"""Truth for the tests: the formulas written anew and integrated in another way than the package does.
+"""Reference albedos for the tests: the formulas written again, and integrated in another way than in the package.
 
-The package integrates light angle by light angle. Here an integral runs over the lobe itself: over the angle `delta`
-between its axis and what its power is taken of (the light for Phong, the half vector for Blinn) and around the axis.
-Nothing is imported from the package.
+The package integrates over the light's angle. Here an integral runs over the lobe itself: over the angle `delta` from
+the lobe's axis (of the light for Phong, of the half vector for Blinn) and around the axis. This module imports nothing
+from the package.
 """
 import numpy as np
 from scipy import integrate, interpolate
@@ -26,7 +26,7 @@ def f0(lobe, view, light, n):
 
 
 def exact_a0(lobe, mu, n):
-    """Albedo of an unpumped lobe to about 1e-9: the turn around the axis in closed form, the rest by scipy.
+    """Albedo of an unpumped lobe to about 1e-9: the integral around the axis in closed form, the other by SciPy.
 
     With A + B cos(psi) the cosine between the direction at (delta, psi) and the normal (Phong) or the view (Blinn), the
     light lies above the horizon up to psi = end.
@@ -55,10 +55,8 @@ def exact_a0(lobe, mu, n):
 def lobe_nodes(lobe, mu, n, rings=240, turns=120, whole=True):
     """Lights (N, 3) and solid angles (N,) that cover a lobe down to 1e-7 of its peak, by the midpoint rule.
 
-    Where not `whole`, they lie on one side of the plane of incidence and count for both.
-
-    Lights below the horizon are among them, with their true weight: the integrand has to be 0 there, or the integral is
-    one over the whole sphere.
+    Where not `whole`, they lie on one side of the plane of incidence and count twice. Some lights are below the horizon
+    and have their true solid angle: the integrand must be 0 there, or the integral is over the whole sphere.
     """
     view = view_at(mu)
     width = np.arccos(1e-7 ** (1.0 / n)) if lobe == "blinn" or n > 12.0 else 0.5 * np.pi
@@ -70,7 +68,7 @@ def lobe_nodes(lobe, mu, n, rings=240, turns=120, whole=True):
     if lobe == "blinn":
         facing = local @ view
         return 2.0 * facing[:, None] * local - view, 4.0 * np.abs(facing) * area
-    # Columns: across and along the mirror direction, in and out of the plane of incidence.
+    # The mirror direction's frame, one axis a row.
     frame = np.array([[view[2], 0.0, view[0]], [0.0, 1.0, 0.0], [-view[0], 0.0, view[2]]])
     return local @ frame, area
 
@@ -83,7 +81,7 @@ def albedo(evaluate, lobe, mu, n, rings=400, turns=80):
 
 
 class Chain:
-    """a_0 .. a_3 of a lobe as curves over the angle, from eq. 16, 20 and the cumulative reading of eq. 21."""
+    """a_0 .. a_3 of a lobe as curves over the view's angle, from eq. 16, 20 and eq. 21, read as cumulative."""
 
     def __init__(self, lobe, n, control, stages=4, views=90):
         self.lobe, self.n, self.control = lobe, n, control
@@ -101,7 +99,7 @@ class Chain:
                       rings, turns)
 
     def at(self, mu, stage):
-        """a_stage read from its curve: quick, but up to 1e-3 off where control bends it."""
+        """a_stage from its interpolated curve: fast, with errors up to 1e-3 where control bends the curve."""
         return self.curves[stage](np.arccos(np.clip(mu, 0.0, 1.0)))
 
     def d(self, view, light, pumps):
@@ -119,10 +117,10 @@ class Chain:
 
 
 class Grid:
-    """a_0 .. a_3 on one grid of angles of view and light, for wide lobes: at n = 20 to about 1e-6 up to 80 degrees.
+    """a_0 .. a_3 on one grid of view and light angles, for wide lobes: at n = 20 to about 1e-6 up to 80 degrees.
 
-    The azimuth is summed by the trapezoidal rule, and over the light's angle Simpson's goes from grazing to the view's
-    own angle and on from there, where D has an edge. `curves` (stages, angles) are the albedos at `cosines`.
+    The rule over the azimuth is trapezoidal. The rule over the light's angle is Simpson's, in two parts that meet at
+    the view's angle, where D has an edge. `curves` (stages, angles) are the albedos at `cosines`.
     """
 
     def __init__(self, lobe, n, control, stages=4, count=513, turns=96):
@@ -144,5 +142,5 @@ class Grid:
 
 
 def _from_both_sides(row, i, step):
-    """Integral of values (N,) at evenly laid nodes, with an edge at node `i`."""
+    """Integral of values (N,) at evenly spaced nodes, with an edge at node `i`."""
     return sum(integrate.simpson(part, dx=step) for part in (row[: i + 1], row[i:]) if len(part) > 1)

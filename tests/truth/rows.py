@@ -39,6 +39,7 @@ class Row:
 
 
 def beckmann(slopes, widths, view, light):
+    """f (N·L) (N,) of Beckmann's facets about the normal of `slopes`, of `widths` along and across."""
     n = np.array([*slopes, 1.0])
     n /= np.linalg.norm(n)
     t = np.cross([0.0, 1.0, 0.0], n)
@@ -52,7 +53,7 @@ def beckmann(slopes, widths, view, light):
 
     def masking(w):
         a = w[..., 2] / np.maximum(np.hypot(w[..., 0] * widths[0], w[..., 1] * widths[1]), 1e-9)
-        # Cycles takes Walter et al.'s rational form, which is up to 1 % from the one by erf.
+        # Cycles uses the rational form of Walter et al., within 1 % of the form with erf.
         return np.where(a < 1.6, (1.0 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a), 0.0)
 
     value = d / (4.0 * v[2] * (1.0 + masking(v) + masking(np.maximum(light, [-2.0, -2.0, 1e-6]))))

@@ -1,4 +1,4 @@
-"""What a model looks like in three numbers, for closures that can do no more."""
+"""A model's appearance in three numbers, for closures that have no more."""
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +9,7 @@ from ...models.lobe_model import LobeModel
 
 
 class Appearance(NamedTuple):
-    """`color` (3,), the `exponent` of a half-vector power that is as wide, and `metallic` 0..1."""
+    """`color` (3,), linear RGB; the `exponent` of a half-vector power of equal width; and `metallic`, 0..1."""
 
     color: np.ndarray
     exponent: float
@@ -17,7 +17,7 @@ class Appearance(NamedTuple):
 
 
 def appearance(model, p: dict) -> Appearance:
-    """The appearance of a model with resolved parameters at normal incidence."""
+    """The appearance at normal incidence of a model with the resolved parameters `p`."""
     if isinstance(model, LobeModel):
         color = fresnel.factor(p["fresnel_type"], [1.0], p["base_color"], p["f90"], p["ior"], p["extinction"])[0]
         return Appearance(color, model.lobe.half_vector_exponent(p["exponent"]), 1.0)

@@ -1,4 +1,4 @@
-"""The fallback: the Principled BSDFs that come nearest to a model, as numbers, and how far they are from it."""
+"""The fallback: the Principled BSDFs that are nearest to a model, as numbers, and their errors."""
 import json
 from functools import lru_cache
 
@@ -13,23 +13,23 @@ from .principled_bsdf import Inputs
 
 
 def parts(model: Model, values: dict) -> list:
-    """The Principled BSDFs that stand for a model with `values` by parameter id: [(share, inputs)].
+    """The Principled BSDFs of a model's fallback, for `values` {parameter id: value}: [(share, inputs)].
 
-    `share` is a function of N·V (N,), see `principled.errors`. The last few results are kept. Raises ValueError for
-    values that the model refuses, as an image that cannot be read.
+    `share` is a function of N·V (N,) that gives weights (N,), see `principled_fit.errors`; `inputs` are
+    `principled_bsdf.Inputs`. The last 64 results are cached. Raises ValueError for values that the model refuses, such
+    as an image that cannot be read.
     """
     return _parts(model, json.dumps(values, sort_keys=True), _stamps(model, values))
 
 
 def look(model: Model, values: dict):
     """(color (3,), roughness, metallic) of the brightest part at normal incidence. Raises as `parts`."""
-    shown = parts(model, values)
-    most = max(shown, key=lambda part: part[0](np.ones(1))[0])[1]
-    return most.base_color, most.roughness, most.metallic
+    brightest = max(parts(model, values), key=lambda part: part[0](np.ones(1))[0])[1]
+    return brightest.base_color, brightest.roughness, brightest.metallic
 
 
 def error(model: Model, values: dict) -> tuple:
-    """Errors (of the lobe, of the albedo) in % of the model's light. Raises as `parts`."""
+    """Errors of the fallback, (lobe, albedo), in % of the model's light. Raises as `parts`."""
     return _error(model, json.dumps(values, sort_keys=True), _stamps(model, values))
 
 
@@ -39,11 +39,13 @@ def _stamps(model, values):
 
 @lru_cache(maxsize=64)
 def _parts(model, text, _):
+    """`parts` for the values in the JSON `text`. The stamps of files only serve as a part of the cache's key."""
     values = model.resolve({key: tuple(value) if isinstance(value, list) else value
                             for key, value in json.loads(text).items()})
     if isinstance(model, FormulaModel):
         evaluated = {p.id: values[p.id] for p in model.parameters if p.evaluated}
         return [(np.ones_like, principled_fit.fit(model, evaluated))]
+    # One lobe of the model's own width, or such a lobe over a diffuse body.
     color, exponent, _ = appearance(model, values)
     if "diffuse_color" in values:
         color = np.asarray(values["base_color"])
@@ -55,7 +57,7 @@ def _parts(model, text, _):
 
 
 def _over_diffuse(color, roughness, diffuse_color):
-    """Two parts: the lobe by Schlick's factor of its brightest channel, and a diffuse body by the rest."""
+    """Two parts: a lobe, weighted with Schlick's factor of its brightest channel, and a diffuse body with 1 minus it."""
     brightest = float(color.max())
 
     def factor(mu):

@@ -1,4 +1,4 @@
-"""Assembles a model's shader: headers flattened, base lobes, tables and weights put in as arrays of numbers."""
+"""Assembles a model's shader: headers are inserted; base lobes, tables and lobe rows become arrays of numbers."""
 import json
 import re
 from functools import lru_cache
@@ -16,11 +16,11 @@ from . import constants, definitions, estimator
 
 _INCLUDE = re.compile(r'^#include (?:"([^"]+)"|(\w+))\n', re.MULTILINE)
 COMPILED, FILE = "compiled", "file"
-_written = {}  # name of a table -> (its nodes, what is written of them): writing takes long
+_written = {}  # name of a table -> (its nodes, their text): formatting takes long
 
 
 def shader_path(model) -> Path:
-    """The .osl file of a model: of those that differ in what is included or defined alone, it is the same."""
+    """The .osl file of a model. Models that differ only in headers and macros share a file."""
     if estimator.is_baked(model):
         name = "weights"
     elif estimator.base_family(model):
@@ -31,7 +31,7 @@ def shader_path(model) -> Path:
 
 
 def chosen_headers(model) -> dict:
-    """{macro: file} of the headers that a shader leaves to the model's declaration."""
+    """{macro: header} of the includes that the model's declaration chooses; {} where a shader has none."""
     if not estimator.base_family(model):
         return {}
     return {"LOBE_HEADER": f"include/lobe_{model.lobe.id}.h",
@@ -39,31 +39,33 @@ def chosen_headers(model) -> dict:
 
 
 def program_of(model) -> tuple:
-    """What tells the shaders of models apart: the file, the headers and the macros that the declaration chooses."""
+    """What distinguishes the shaders of models: the file's name, and the headers and macros that the model chooses."""
     return shader_path(model).name, *chosen_headers(model).values(), *_disk(model).values()
 
 
 def assemble(model, lut: str = COMPILED, parameters: dict | None = None, driven: dict | None = None, baked=None,
              defines: dict | None = None) -> str:
-    """OSL source of `model`, without includes.
+    """The OSL source of `model`, with all includes inserted.
 
-    A baked model's lobe rows are those for its `parameters` and for the ranges of those `driven`, see
-    baking/rows/grid.py; or they are `baked`, a `grid.ParameterGrid`.
+    A baked model's lobe rows are `baked`, a `grid.ParameterGrid`; without it they are baked for `parameters` {id:
+    value}, over the ranges `driven` {id: (least, most)}, see forms/rows/grid.py.
 
-    `lut` is "compiled" (tables are numbers in the text) or "file" (tables are read by texture(); their paths are the
-    string parameters table_plain and table_controlled). `defines` are macros to put in place of those that are written
-    otherwise, such as `definitions.HOOKS`.
+    `lut` is "compiled" (tables are numbers in the text) or "file" (texture() reads the tables; their paths are the
+    string parameters table_plain, table_controlled and table_volume). `defines` {macro: text} replaces macros, such as
+    `definitions.HOOKS`.
 
-    Raises ValueError for another `lut` or a macro that is not written, brdf.TableError when a table cannot be used,
-    OSError when a source file is missing.
+    Raises ValueError for another `lut` or an unknown macro, brdf.TableError when a table cannot be used, and OSError
+    when a source file is missing.
     """
     if lut not in (COMPILED, FILE):
         raise ValueError(f"lut: {lut!r} is not one of {COMPILED}, {FILE}")
     text = _flattened(shader_path(model), chosen_headers(model), set())
+    # The model's own macros.
     if estimator.is_baked(model):
         own = _weights(model, parameters or {}, baked or grid.bake(model, parameters or {}, driven))
     else:
         own = _definitions(model, lut)
+    # `defines` may replace only macros that exist.
     macros = definitions.HOOKS | _signature(model) | own
     for name in defines or {}:
         if name not in macros:
@@ -72,19 +74,19 @@ def assemble(model, lut: str = COMPILED, parameters: dict | None = None, driven:
 
 
 def spans(model) -> dict:
-    """{name of a table: (least, largest) exponent}: what a shader that is assembled now can be read at."""
+    """{name of a table: (least, largest) exponent}: the exponents for which a shader can be assembled now."""
     return {name: _in_use(name, FILE).span for name in tabulated.tables_of(model)}
 
 
 def mode_of(table) -> str:
-    """What a shader calls a table: its parameter is table_ and this."""
+    """A table's name in a shader, "plain", "controlled" or "volume": the parameter is table_ and this."""
     if isinstance(table, tables.VolumeTable):
         return "volume"
     return "controlled" if table.control else "plain"
 
 
 def _flattened(path: Path, chosen: dict, seen: set) -> str:
-    """A file with each of its includes put in once, where it is first named; `chosen` are names of files by macro."""
+    """The text of a file, with each include inserted once, at its first mention; `chosen` is {macro: header}."""
 
     def inserted(match):
         included = (path.parent / (match[1] or chosen[match[2]])).resolve()
@@ -97,16 +99,16 @@ def _flattened(path: Path, chosen: dict, seen: set) -> str:
 
 
 def _read(path: Path) -> str:
-    """A file that the extension came with. Raises OSError that tells the cure where it is not there or no text."""
+    """The text of a file of the extension. Raises OSError, with the cure, where it is missing or not UTF-8."""
     try:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is no text"
+        reason = error.strerror if isinstance(error, OSError) else "it is not text"
         raise OSError(f"{path}: {reason}; this file belongs to the extension: install it again") from None
 
 
 def _read_json(path: Path):
-    """A table of numbers that the extension came with. Raises OSError as `_read`."""
+    """The contents of a JSON file of the extension. Raises OSError as `_read`."""
     try:
         return json.loads(_read(path))
     except ValueError as error:
@@ -118,7 +120,7 @@ _TYPES = {"float": "float", "int": "int", "bool": "int", "enum": "int", "color":
 
 
 def _signature(model) -> dict:
-    """Macros of the model's name and inputs, and of the ends and default of each input that is a number or a colour."""
+    """Macros: the model's name and inputs, the range of each number and color, and the default of each number."""
     inputs = [f"{_TYPES[q.kind]} {q.id} = {_literal(_TYPES[q.kind], q.default)}" for q in model.parameters]
     macros = {"MODEL": model.id, "MODEL_PARAMETERS": ", ".join(inputs)}
     for q in model.parameters:
@@ -131,8 +133,7 @@ def _signature(model) -> dict:
 
 
 def _definitions(model, lut) -> dict:
-    """Macros of a model with a shader of its own: what its declaration chooses, and DATA_PARAMETERS, arrays with their
-    values."""
+    """Macros of a model with a shader of its own, DATA_PARAMETERS among them: the arrays with their values."""
     macros, parameters = _base(estimator.base_family(model)) if estimator.base_family(model) else _bells()
     macros, parameters = macros | _disk(model), list(parameters)
     for table in (_in_use(name, lut) for name in tabulated.tables_of(model)):
@@ -147,7 +148,7 @@ def _definitions(model, lut) -> dict:
 
 
 def _disk(model) -> dict:
-    """Macros of a model of lumps: the projection, and whether a single one is held inside the disk."""
+    """Macros of a model of lumps: the projection, and whether a single lump is shrunk until it is inside the disk."""
     if not hasattr(model, "projection"):
         return {}
     macros = {"PROJECTION": model.projection.id.upper()}
@@ -157,7 +158,10 @@ def _disk(model) -> dict:
 
 
 def _in_use(name, lut):
-    """A table with its axes; a file that is not there yet will have the declared ones, or be told when it renders."""
+    """A table with the axes of its file. With `lut` "file" an unusable file gives the declared axes instead.
+
+    The shader checks the file when it renders. Raises TableError otherwise.
+    """
     try:
         return tables.in_use(name)
     except tables.TableError:
@@ -167,9 +171,9 @@ def _in_use(name, lut):
 
 
 def _weights(model, parameters, baked) -> dict:
-    """Macros of a baked model: what its inputs must be for its weights to hold, their layout, and the weights."""
+    """Macros of a baked model: the condition on its inputs for which its rows hold, the layout, and the rows."""
     p = model.resolve(parameters)
-    driven = {each.parameter.id for each in baked.ranges}
+    driven = {axis.parameter.id for axis in baked.ranges}
     matches = [_matches(q, p[q.id]) for q in model.parameters if q.evaluated and q.id not in driven]
     first = baked.nodes[0]
     layout = first.layout
@@ -179,16 +183,16 @@ def _weights(model, parameters, baked) -> dict:
         "W_VIEWS": layout.views, "W_AZIMUTHS": layout.azimuths, "W_WHOLE": int(layout.whole),
         "W_RINGS": layout.cell_rings, "W_AROUND": layout.cell_turns, "W_CHANNELS": baked.channels,
         "W_SPIKES": lobe_rows.SPIKES if len(first.spike) else 0,
-        # What is driven.
+        # The driven parameters.
         "W_RANGES": len(driven), "W_SETS": len(baked.nodes), "RANGE_PLACES": ", ".join(map(_place, baked.ranges)),
-        "RANGE_STEPS": ", ".join(str(each.steps) for each in baked.ranges),
+        "RANGE_STEPS": ", ".join(str(axis.steps) for axis in baked.ranges),
         "RANGE_STORAGE": ", ".join(map(str, baked.storage_index)),
         "DATA_PARAMETERS": _array("weights", np.concatenate([_flat(rows, baked.channels) for rows in baked.stored])),
     }
 
 
 def _place(driven):
-    """Where the input of a driven parameter is among its steps."""
+    """OSL expression of the position of a driven parameter's input among its steps."""
     kind, name = driven.parameter.kind, driven.parameter.id
     value = name if kind == "color" else f"color({name})"
     return f"range_place({value}, {driven.least!r}, {driven.most!r}, {driven.steps}, {int(driven.geometric)})"
@@ -208,7 +212,7 @@ def _flat(rows, channels):
 
 
 def _literal(kind, value):
-    """A default as OSL writes it, of its own type: Cycles does not set inputs whose default is converted."""
+    """A default in OSL, of the input's own type: Cycles does not set inputs whose default is converted."""
     if kind == "string":
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, tuple):
@@ -217,7 +221,7 @@ def _literal(kind, value):
 
 
 def _matches(parameter, value):
-    """A condition that holds where an input is `value`, to single precision."""
+    """OSL condition that an input equals `value`, to single precision."""
     if parameter.kind == "color":
         return " && ".join(f"abs({parameter.id}[{i}] - {c!r}) <= {1e-5 * max(abs(c), 1e-3):.3g}"
                            for i, c in enumerate(value))
@@ -229,7 +233,7 @@ def _matches(parameter, value):
 
 
 def _bells():
-    """Macros and array parameter of the bells that make up a lump, see addon/forms/bells.py."""
+    """(macros, array parameters) of the table of bells, see addon/forms/bells.py."""
     path = resources.LUTS / bells.FILE
     return _bells_of(path, images.stamp(path))
 
@@ -244,7 +248,7 @@ def _bells_of(path, _):
 
 
 def _base(family):
-    """Macros and array parameters of the base lobes of a family, see addon/forms/base_lobes."""
+    """(macros, array parameters) of a family's base lobes, see addon/forms/base_lobes."""
     path = resources.LUTS / "base_lobes.json"
     return _base_of(family, path, images.stamp(path))
 
@@ -253,9 +257,11 @@ def _base(family):
 def _base_of(family, path, _):
     base = _read_json(path)
     own = base["families"][family]
+    # One row for each closure: a ramp off the plane of incidence is a pair, of one set of levels.
     ramps = [(r["lean"], r["sharp"], side, r["crease"], i) for i, r in enumerate(own["ramps"])
              for side in ((-r["side"], r["side"]) if r["side"] else (0.0,))]
     facets = [(f["lean"], f["sharp"]) for f in own["facets"]]
+    # Macros without their prefix, and the arrays.
     numbers = {"U": own["u_nodes"], "POWER": own["power"], "V": own["v_nodes"], "FEATURES": len(base["features"]),
                "GRAZING": base["grazing"], "DRAWN": base["drawn"], "NEGATIVE_RADIUS": base["hole"],
                "SETS": len(own["ramps"]), "STRIDE": own["stride"], "LEVELS": closures.SLOTS * len(own["ramps"]),
@@ -267,16 +273,18 @@ def _base_of(family, path, _):
 
 
 def _table_parameter(table, mode, lut):
+    """The parameter of a table: its path, or an array of its nodes."""
     if lut == FILE:
         return f'string table_{mode} = "{table.path.as_posix()}"'
     nodes = tables.load(table)
     if table.name not in _written or _written[table.name][0] is not nodes:
-        # Six digits keep a node within 5e-6, a quarter of what tables promise.
+        # Six digits keep a node within 5e-6, a quarter of the tables' bound for nodes.
         _written[table.name] = nodes, _array(f"table_{mode}", nodes.ravel())
     return _written[table.name][1]
 
 
 def _axes(table, mode, lut):
+    """Macros of a table's axes, in the order of `Axes` in osl/include/table.h, and of its name in messages."""
     c, r = table.columns, table.rows
     numbers = (f"{c.columns}, {c.grazing}, {c.normal}, {r.rows}, {r.density}, {r.law}, {table.stamp!r}, "
                f"{int(isinstance(c, SineAxis))}, {table.height}, {r.lowest}, {r.highest}")
@@ -285,11 +293,13 @@ def _axes(table, mode, lut):
 
 
 def _array(name, values):
+    """A float array parameter with its values, to six digits."""
     text = ",".join(f"{v:.6g}" for v in values)
     return f"float {name}[{len(values)}] = {{{text}}}"
 
 
 def _vectors(name, values):
+    """A parameter, an array of vectors, with its values, three to a vector, to four digits."""
     rows = np.reshape(values, (-1, 3))
     text = ",".join(f"vector({x:.4g},{y:.4g},{z:.4g})" for x, y, z in rows)
     return f"vector {name}[{len(rows)}] = {{{text}}}"

@@ -1,79 +1,80 @@
-"""What the assembler writes in front of a shader besides the shared numbers: macros by model, and hooks.
+"""The macros that the assembler writes in front of a shader besides the shared numbers: by model, and hooks.
 
-Each macro that a shader expects and does not define itself is in `constants.SHARED`, `MODEL` or `HOOKS`, or is one of
-LEAST_, MOST_ and DEFAULT_ with the id of a parameter.
+Each macro that a shader expects and does not define itself is in `constants.SHARED`, `MODEL` or `HOOKS`, or is LEAST_,
+MOST_ or DEFAULT_ followed by the id of a parameter.
 """
 
-# macro: what it holds. A model has those that its shader asks for.
+# {macro: meaning}. A model has the macros that its shader expects.
 MODEL = {
-    # The signature, and what is chosen by the declaration.
-    "MODEL": "id",
-    "MODEL_PARAMETERS": "inputs, of their declared types and defaults",
+    # The signature, and the declaration's choices.
+    "MODEL": "the model's id",
+    "MODEL_PARAMETERS": "inputs, with the declared types and defaults",
     "DATA_PARAMETERS": "inputs that are arrays of numbers, or paths of tables",
-    "PROJECTION": "SCALING or ORTHOGONAL, of lumps on the disk",
-    "HELD_RADII": "1 where a lump is shrunk until it stays on the disk",
-    # Albedo tables: by number, or by texture().
-    "TABLE_FILE": "defined where tables are read by texture()",
-    "AXES_PLAIN": "axes of the table of plain albedos,",
-    "AXES_CONTROLLED": "of controlled ones,",
-    "AXES_VOLUME": "of volumes,",
-    "TABLE_NAME_PLAIN": "and what a message calls them",
+    "PROJECTION": "projection of lumps on the disk: SCALING or ORTHOGONAL",
+    "HELD_RADII": "1 where a lump is shrunk until it is on the disk",
+    # Albedo tables: numbers, or files that texture() reads.
+    "TABLE_FILE": "defined where texture() reads the tables",
+    "AXES_PLAIN": "axes of the table of plain albedos",
+    "AXES_CONTROLLED": "axes of the table of controlled albedos",
+    "AXES_VOLUME": "axes of the table of volumes",
+    "TABLE_NAME_PLAIN": "the tables' names in messages",
     "TABLE_NAME_CONTROLLED": "",
     "TABLE_NAME_VOLUME": "",
-    "VOLUME_LAYERS": "radii of the table of volumes",
+    "VOLUME_LAYERS": "number of radii of the table of volumes",
     # The table of bells.
     "BELLS_ROW": "numbers of a row of the table of bells",
-    "STEEP_ROWS": "where rows of steep lumps begin,",
-    "STEEP_ROW": "numbers of each,",
-    "STEEP_KNOTS": "and where their knots begin",
+    "STEEP_ROWS": "offset of the first row of steep lumps",
+    "STEEP_ROW": "numbers of a row of steep lumps",
+    "STEEP_KNOTS": "offset of the knots in such a row",
     # Base lobes of a family.
-    "BASE_U": "nodes of the view,",
-    "BASE_V": "and of the exponent,",
-    "BASE_POWER": "which are even in this power",
-    "BASE_FEATURES": "cosines that the gain is read at",
-    "BASE_GRAZING": "how far the mean of N.L at grazing lies above N.V, in parts of the lobe's width",
-    "BASE_DRAWN": "exponent of the lobe that splats are drawn from, in parts of n",
-    "BASE_NEGATIVE_RADIUS": "radius of the widest holes, in parts of the lobe's width",
-    "BASE_SETS": "sets of colours of ramps",
+    "BASE_U": "number of nodes of the view",
+    "BASE_V": "number of nodes of the exponent",
+    "BASE_POWER": "power of 1/n in which the exponent's nodes are evenly spaced",
+    "BASE_FEATURES": "number of cosines at which the gain is read",
+    "BASE_GRAZING": "height of the mean of N.L at grazing above N.V, in parts of the lobe's width",
+    "BASE_DRAWN": "exponent of the lobe that kernels are sampled from, in parts of n",
+    "BASE_NEGATIVE_RADIUS": "radius of the widest negative kernels, in parts of the lobe's width",
+    "BASE_SETS": "number of sets of a ramp's levels",
     "BASE_STRIDE": "vectors of one gain of one node",
-    "BASE_LEVELS": "slots of all sets",
-    "BASE_RAMPS": "ramps",
-    "BASE_FACETS": "microfacets,",
-    "BASE_FACET_ROOM": "and elements of their arrays",
+    "BASE_LEVELS": "numbers of all sets of levels",
+    "BASE_RAMPS": "number of ramps",
+    "BASE_FACETS": "number of microfacets",
+    "BASE_FACET_ROOM": "length of the microfacets' arrays, at least 1",
     "BASE_PLAIN": "1 where phong_ramp itself is the lobe",
     # Lobe rows of a baked model.
-    "MODEL_LABEL": "what a message calls it",
-    "MODEL_MATCHES": "whether the inputs are those that it was baked for",
+    "MODEL_LABEL": "the model's name in messages",
+    "MODEL_MATCHES": "condition that the inputs have the values of the bake",
     "W_VIEWS": "rows of one azimuth",
     "W_AZIMUTHS": "azimuths of views",
-    "W_WHOLE": "1 where they go all around",
-    "W_RINGS": "rings of cells,",
-    "W_AROUND": "and cells around each",
+    "W_WHOLE": "1 where the azimuths go all around",
+    "W_RINGS": "rings of cells",
+    "W_AROUND": "cells of a ring",
     "W_CHANNELS": "energies of a cell",
-    "W_SPIKES": "colours of the mirror from row to row, 0 without a spike",
-    "W_RANGES": "driven parameters,",
-    "W_SETS": "sets of rows for their steps,",
-    "RANGE_PLACES": "where each is among its steps,",
-    "RANGE_STEPS": "how many steps it has,",
-    "RANGE_STORAGE": "and where each set is stored, -1: nowhere, it is black",
+    "W_SPIKES": "colors of the mirror from row to row, 0 without a spike",
+    "W_RANGES": "number of driven parameters",
+    "W_SETS": "number of sets of rows, one for each combination of steps",
+    "RANGE_PLACES": "position of each driven parameter among its steps",
+    "RANGE_STEPS": "number of steps of each driven parameter",
+    "RANGE_STORAGE": "index of each set among the stored ones; -1 of a black set, which is not stored",
 }
 
-# macro: what it is unless `defines` of `source.assemble` say otherwise, as tests and benchmarks do.
+# {macro: default}. Tests and benchmarks replace them by `defines` of `assembler.assemble`.
 HOOKS = {
     "KERNELS": "1",  # 0: the base alone
-    "AT_KERNEL(light, beside, count)": "",  # statements where a splat is drawn, of `count` the k-th
-    "SPOILT_TARGET(value)": "value",  # planted errors: in the lobe that is estimated,
-    "SPOILT_KERNEL(weight)": "weight",  # in what splats weigh,
-    "SPOILT_BASE(weight)": "weight",  # in what base lobes weigh,
-    "SPOILT_LARGER(at_view, at_light)": "max(at_view, at_light)",  # in which albedo a stage divides by,
-    "SPOILT_U(u)": "u",  # in the numbers that splats are drawn by,
+    "AT_KERNEL(light, beside, count)": "",  # statements at the sample of a kernel, the k-th of `count`
+    # Places for planted errors.
+    "SPOILT_TARGET(value)": "value",  # the lobe that is estimated
+    "SPOILT_KERNEL(weight)": "weight",  # weight of a kernel
+    "SPOILT_BASE(weight)": "weight",  # weight of a base lobe
+    "SPOILT_LARGER(at_view, at_light)": "max(at_view, at_light)",  # the albedo that a pump's stage divides by
+    "SPOILT_U(u)": "u",  # uniform numbers of a kernel
     "SPOILT_V(v)": "v",
-    "FIRST_NUMBER(place, apart)": "hashnoise(place, apart)",  # in a hit's first number,
-    "SECOND_HASH": "11.5",  # and in what its second and third number's hash differ by
+    "FIRST_NUMBER(place, apart)": "hashnoise(place, apart)",  # a hit's first uniform number
+    "SECOND_HASH": "11.5",  # offsets of the second and the third number's hash
     "THIRD_HASH": "23.5",
 }
 
 
 def text(macros: dict) -> str:
-    """Macros as lines of a header."""
+    """`macros` {name: value} as lines of a header."""
     return "".join(f"#define {name} {value}".rstrip() + "\n" for name, value in macros.items())

@@ -78,7 +78,8 @@ class Osl:
     def notices(self, node, model, values) -> tuple:
         """See `Backend`: exponents beyond the tables compiled into the shader, and table files that cannot be read."""
         problems = [table_folder.problem_of(name, path) for name, path in table_files(node.node_tree, model).items()]
-        notices = [_beyond(model, values, spans_of(node.node_tree)), *(Notice(text) for text in problems[:1] if text)]
+        unreadable = [Notice(text) for text in problems if text]
+        notices = [_beyond(model, values, spans_of(node.node_tree)), *unreadable[:1]]
         return tuple(notice for notice in notices if notice is not None)
 
     def parameters(self, model) -> tuple:

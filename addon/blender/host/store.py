@@ -17,7 +17,7 @@ _ABANDONED = 3600.0
 
 
 class Store:
-    """Entries in `folder`, of `limit` bytes in total at most. The folder has to exist; several processes may share it."""
+    """Entries in `folder`, which has to exist, of at most `limit` bytes in total. Several processes may share it."""
 
     def __init__(self, folder, limit: int):
         self.folder, self.limit = Path(folder), limit
@@ -50,7 +50,7 @@ class Store:
         self.trim()
 
     def trim(self):
-        """Delete entries, the least recently used first, until the others fit the limit. Deletes abandoned files, too."""
+        """Delete the least recently used entries until the others fit the limit. Deletes abandoned files, too."""
         entries = sorted(self._entries(), key=lambda entry: entry[1].st_mtime_ns)
         total = sum(state.st_size for _, state in entries)
         for path, state in entries:

@@ -1,1 +1,1 @@
-"""What a user sees: panels, operators, menus, properties, preferences."""
+"""The user interface: panels, operators, menus, properties, preferences."""

@@ -7,7 +7,8 @@ from ..material import baked_state, groups
 from .operators.common import renders_here, reporting
 from .properties import MODEL_ITEMS
 
-_HOME = "NODE_MT_category_shader_shader"
+# Blender's menu Add > Shader.
+_SHADER_MENU = "NODE_MT_category_shader_shader"
 
 
 class PLAUSIBLE_OT_add_node(bpy.types.Operator):
@@ -34,7 +35,7 @@ class PLAUSIBLE_OT_add_node(bpy.types.Operator):
         return renders_here(cls)
 
     def invoke(self, context, event):
-        # Where the mouse is, not where the menu was opened last.
+        # The node goes to the mouse, not to the last position of the menu.
         context.space_data.cursor_location_from_region(event.mouse_region_x, event.mouse_region_y)
         result = self.execute(context)
         if result == {"FINISHED"}:
@@ -44,6 +45,7 @@ class PLAUSIBLE_OT_add_node(bpy.types.Operator):
     @reporting
     def execute(self, context):
         tree = context.space_data.edit_tree
+        # The node, selected and active.
         node = groups.add_node(tree, MODELS[self.model])
         baked_state.record(node)
         for other in tree.nodes:
@@ -86,13 +88,13 @@ def _entry(self, context):
 
 
 def start():
-    """Put the menu where Blender's own shaders are."""
-    getattr(bpy.types, _HOME).append(_entry)
+    """Append the menu to Blender's menu of shaders."""
+    getattr(bpy.types, _SHADER_MENU).append(_entry)
 
 
 def stop():
-    """Take the menu back."""
-    getattr(bpy.types, _HOME).remove(_entry)
+    """Remove the menu."""
+    getattr(bpy.types, _SHADER_MENU).remove(_entry)
 
 
 CLASSES = (PLAUSIBLE_OT_add_node, PLAUSIBLE_MT_add, PLAUSIBLE_MT_add_baked)

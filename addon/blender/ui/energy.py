@@ -1,8 +1,8 @@
-"""The sub-panel "Energy": albedos as numbers, and a picture of them and of the lobes that follows the values.
+"""The sub-panel "Energy": albedos as numbers, and a plot of albedos and lobes for the material's present values.
 
-A panel is drawn at every redraw and must not compute. It shows what is known of a material; where that is of other
-values than the node holds, it asks for a plot, which a timer makes before the areas are drawn again. Pictures are
-previews, which belong to no file: nothing is made in the .blend.
+Panels are drawn at every redraw and must not compute. The panel shows the latest plot of a material. If the plot is for
+other values than the node's, the panel requests a new one, which a timer makes before it redraws the areas. Plots are
+Blender previews, which belong to no file: nothing is added to the .blend.
 """
 from dataclasses import dataclass
 
@@ -16,18 +16,22 @@ from ..host.translation import tr
 from ..material.sockets import socket_of, values
 from .panels import Face, draw_text, in_both_places
 
-PAUSE = 0.05  # seconds from a redraw to the plot that it asks for: a slider that is dragged redraws more often
-KEPT = 12  # materials whose plots are kept
-SMALLEST, LARGEST = 6.5, 12.0  # side of a half of the picture in units of 20 pixels, which are about a button
+# Seconds from the request of a plot to its making: dragging a slider redraws more often.
+PAUSE = 0.05
+# Number of materials whose plots are kept.
+KEPT = 12
+# Limits of the side of each half of the plot, in units of 20 pixels, about the height of a button.
+SMALLEST, LARGEST = 6.5, 12.0
+# Legends of the lobes, by the root that the plot takes of f N·L.
 ROOTS = {1: "Lobes f N·L, with their peaks in 1/sr", 2: "Lobes f N·L by their square root, with their peaks in 1/sr",
          3: "Lobes f N·L by their cube root, with their peaks in 1/sr"}
 
 
 @dataclass
 class Shown:
-    """What is known of a material: a `plot`, or the `error` why there is none, for what `key` stands for.
+    """A material's plot, or the error message in its place, for the values of `key`, see `key_of`.
 
-    `halves` are the previews of the picture's left and right.
+    `halves` are the previews of the left and the right half of the picture.
     """
 
     key: tuple
@@ -36,40 +40,41 @@ class Shown:
     halves: tuple
 
 
-_shown = {}  # a material's full name -> Shown, the one asked for last at the end
-_wanted = {}  # a material's full name -> (key, model, values)
-_previews = None
+_shown = {}  # full name of a material -> Shown, the latest at the end
+_wanted = {}  # requests: full name of a material -> (key, model, values)
+_previews = None  # Blender's collection of previews
 
 
 def key_of(model, given: dict) -> tuple:
-    """What a plot depends on: the model, the values of its parameters, and the state of the files that they name."""
+    """The inputs of a plot: the model's id, the values `given` by parameter id, and the stamps of their files."""
     stamps = tuple(p.stamp(given[p.id]) for p in model.parameters if p.id in given)
     return model.id, tuple(given.items()), stamps
 
 
 def known(material, model, given: dict):
-    """What is known of a material, of these values or of earlier ones; None before anything is.
+    """The latest `Shown` of a material, for the values `given` or for earlier ones; None if there is none yet.
 
-    Asks for the plot of these values where it is not that.
+    Requests the plot of the values `given` if it is for other values.
     """
     name, key = material.name_full, key_of(model, given)
-    found = _shown.get(name)
-    if found is None or found.key != key:
+    latest = _shown.get(name)
+    if latest is None or latest.key != key:
         _wanted[name] = key, model, given
         if not bpy.app.timers.is_registered(make_wanted):
             bpy.app.timers.register(make_wanted, first_interval=PAUSE)
-    return found
+    return latest
 
 
 def make_wanted():
-    """Make the plots that were asked for, and have the panels drawn again."""
+    """Make the requested plots, and redraw the panels."""
     while _wanted:
         name, (key, model, given) = _wanted.popitem()
         plot, error = None, ""
         try:
             plot = quick.plot(model, given)
-        except (ValueError, OSError) as problem:  # an image or a table that cannot be read
+        except (ValueError, OSError) as problem:  # an image or an albedo table that cannot be read
             error = str(problem)
+        # Draw into the material's previews.
         halves = _halves(name)
         if plot is not None:
             _fill(halves, picture.draw(plot))
@@ -78,7 +83,7 @@ def make_wanted():
 
 
 def _halves(name):
-    """The two previews of a material: its own, those of one that was not asked for in a long time, or new ones."""
+    """The two previews of a material: its own, else the oldest material's where KEPT have some, else new ones."""
     global _previews
     if name in _shown:
         return _shown.pop(name).halves
@@ -90,6 +95,7 @@ def _halves(name):
 
 
 def _fill(halves, pixels):
+    """Write the two halves of the picture `pixels` (SIDE, 2 SIDE, 4) into previews."""
     side = picture.SIDE
     for i, half in enumerate(halves):
         half.image_size = side, side
@@ -97,7 +103,7 @@ def _fill(halves, pixels):
 
 
 def stop():
-    """Forget all plots, and take back the timer and the previews."""
+    """Drop all plots, and remove the timer and the previews."""
     global _previews
     if bpy.app.timers.is_registered(make_wanted):
         bpy.app.timers.unregister(make_wanted)
@@ -113,35 +119,38 @@ class _Energy(Face):
 
     def draw(self, context):
         layout, material, node, model = self.begin(context)
-        found = known(material, model, values(node))
-        if found is None:
+        shown = known(material, model, values(node))
+        if shown is None:
             layout.label(text="Computing", icon="TIME")
-        elif found.error:
-            draw_text(layout, context, found.error, "ERROR")
+        elif shown.error:
+            draw_text(layout, context, shown.error, "ERROR")
         else:
-            draw_plot(layout, context, found)
+            draw_plot(layout, context, shown)
         for line in driven_lines(node, model):
             draw_text(layout, context, line, "LINKED")
 
 
 def draw_plot(layout, context, shown: Shown):
-    """The numbers, the picture, and what to know of it."""
+    """Draw the numbers, the picture and its legend."""
     draw_numbers(layout, shown.plot.numbers())
     draw_text_above_one(layout, context, shown.plot)
-    # An icon is a square of `scale` times 20 pixels. Two stand side by side where they are large enough to be read.
+    # An icon is a square of `scale` times 20 pixels. The halves stand side by side if the region is wide enough.
     width = (context.region.width / context.preferences.system.ui_scale - 60.0) / 20.0
-    beside = width > 2 * SMALLEST
-    both = layout.row() if beside else layout.column()
+    side_by_side = width > 2 * SMALLEST
+    both = layout.row() if side_by_side else layout.column()
     both.alignment = "CENTER"
+    scale = min(max(0.5 * width if side_by_side else width, SMALLEST), LARGEST)
     for half in shown.halves:
-        both.template_icon(icon_value=half.icon_id, scale=min(max(0.5 * width if beside else width, SMALLEST), LARGEST))
+        both.template_icon(icon_value=half.icon_id, scale=scale)
+    # The legend.
     note = layout.column()
     note.active = False
     draw_text(note, context, legend(shown.plot))
 
 
 def draw_numbers(layout, numbers: dict):
-    """The albedos (1,) or (3,) of each view in degrees."""
+    """Draw `numbers`, {view in degrees: albedo (1,) or (3,)}."""
+    # One row where all albedos are gray, else a row for each view.
     column = layout.column(align=True)
     if all(len(albedo) == 1 for albedo in numbers.values()):
         row = column.row()
@@ -151,12 +160,12 @@ def draw_numbers(layout, numbers: dict):
     for view, albedo in numbers.items():
         row = column.row()
         row.label(text=f"{view:g}°")
-        for letter, part in zip("RGB", albedo, strict=True):
-            row.label(text=f"{letter} {part:.3f}")
+        for letter, channel in zip("RGB", albedo, strict=True):
+            row.label(text=f"{letter} {channel:.3f}")
 
 
 def draw_text_above_one(layout, context, plot):
-    """A word where the model reflects more than it receives."""
+    """Draw a warning where an albedo exceeds 1."""
     highest = np.nan_to_num(plot.albedo).max(axis=1)
     if highest.max() > 1.0 + quick.TOLERANCE:
         view, most = quick.VIEWS[highest.argmax()], highest.max()
@@ -165,16 +174,16 @@ def draw_text_above_one(layout, context, plot):
 
 
 def legend(plot) -> str:
-    """What the picture shows, in words."""
-    parts = ["Albedo by the angle of the view, gray before pumping" if plot.unpumped is not None else
-             "Albedo by the angle of the view", ROOTS[picture.power_of(plot)]]
+    """The legend of the picture."""
+    sentences = ["Albedo by the angle of the view, gray before pumping" if plot.unpumped is not None else
+                 "Albedo by the angle of the view", ROOTS[picture.power_of(plot)]]
     if plot.along_tangent:
-        parts.append("Seen along the tangent")
-    return ". ".join(map(tr, parts))
+        sentences.append("Seen along the tangent")
+    return ". ".join(map(tr, sentences))
 
 
 def driven_lines(node, model) -> list:
-    """A line for each parameter that a link drives: what it is plotted for."""
+    """A line for each linked parameter: the plot uses the value of its socket."""
     lines = []
     for parameter in model.parameters:
         socket = socket_of(node, parameter)

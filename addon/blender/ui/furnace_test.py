@@ -1,6 +1,6 @@
-"""The furnace test of a material: rendered small under a white sky, beside what its formula says.
+"""The furnace test of a material: a small render under a white sky, compared with its formula's albedo.
 
-Another Blender renders it, without a window: the scene that is open, its render result and its undo stay as they are.
+Another Blender process renders it in background mode, so the open scene, its render result and its undo stack stay.
 """
 import json
 import subprocess
@@ -21,9 +21,9 @@ from ..material import groups, sockets
 from .operators.common import OnMaterial, material_of, plausible_node, renders_here
 from .panels import Face, draw_text, in_both_places
 
-SAMPLES = 256
-_TICK = 0.1
-# What the other Blender runs: the command line's furnace, whose report goes into a file as Blender prints, too.
+SAMPLES = 256  # per pixel
+_TICK = 0.1  # seconds between two looks at the test
+# The Python script for the other Blender: the command `furnace`. Its report goes to a file, as Blender prints to stdout.
 _SCRIPT = """
 import contextlib, os, sys
 sys.path.insert(0, {root!r})
@@ -34,52 +34,59 @@ sys.stderr.flush()
 os._exit(code)
 """
 
-job = None  # the test that runs, or the last one
-_previews = None  # its picture
+job = None  # the running test, or the last one, or None
+_previews = None  # Blender's collection of previews, with the picture of the test
 
 
 class FurnaceJob:
-    """A furnace test in a process of its own. `rows` are its results, {angle_deg, measured, noise, and, where the
-    material has a formula, reference and verdict}; `error` tells what went wrong."""
+    """A furnace test in a process of its own.
+
+    `rows` are its results: dictionaries with angle_deg, measured, noise, and, where the material has a formula,
+    reference and verdict. `verdict` is that of all rows, None without a formula. `error` is a message, "" without
+    errors. `of` is (model, values) of the tested material. `done` and `total` count renders.
+    """
 
     def __init__(self, material):
         self.name = material.name_full
         node = groups.find_node(material)
-        self.of = groups.model_of(node), sockets.values(node)  # what is tested, which may change meanwhile
+        self.of = groups.model_of(node), sockets.values(node)  # at the start, as they may change during the test
         self.rows, self.verdict, self.error, self.cancelled = [], None, "", False
         self.done, self.total = 0, 1
+        # Write the material into a .blend of its own.
         self._folder = tempfile.TemporaryDirectory(prefix="plausible-")
         blend, self._report = (Path(self._folder.name) / name for name in ("material.blend", "report.json"))
         bpy.data.libraries.write(str(blend), {material}, path_remap="ABSOLUTE", fake_user=True)
+        # Start the other Blender, and a thread that reads its stderr.
         arguments = ["furnace", "--blend", str(blend), "--material", material.name, "--samples", str(SAMPLES), "--json",
                      "--progress"]
         script = _SCRIPT.format(root=str(ROOT), report=str(self._report), arguments=arguments)
         self._process = subprocess.Popen(_blender(script), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                                          stderr=subprocess.PIPE, text=True, encoding="utf-8", errors="replace")
-        self._said = []
+        self._messages = []  # lines of stderr other than progress
         self._reader = threading.Thread(target=self._listen, name="Plausible BRDF furnace", daemon=True)
         self._reader.start()
 
     def _listen(self):
+        """Read the other Blender's stderr: progress lines "furnace: render <done> of <total>", and messages."""
         for line in self._process.stderr:
             words = line.split()
             if line.startswith("furnace: render "):
                 self.done, self.total = int(words[2]), int(words[4])
             else:
-                self._said.append(line.strip())
+                self._messages.append(line.strip())
 
     @property
     def running(self):
         return self._process.poll() is None
 
     def cancel(self):
-        """End the other Blender."""
+        """Kill the other Blender, if it still runs."""
         if self.running:
             self.cancelled = True
             self._process.kill()
 
     def finish(self):
-        """Wait for the end, and read the results."""
+        """Wait for the end, and read the results unless the test was canceled."""
         self._process.wait()
         self._reader.join()
         if not self.cancelled:
@@ -87,31 +94,32 @@ class FurnaceJob:
         self._folder.cleanup()
 
     def _read(self):
+        """Read the report, or find the error message in the other Blender's output."""
         try:
             report = json.loads(self._report.read_text(encoding="utf-8"))
         except (OSError, ValueError):
-            told = [line for line in self._said if line.startswith("plausible furnace:")]
-            self.error = (told or self._said or ["the other Blender ended without a word"])[-1]
+            errors = [line for line in self._messages if line.startswith("plausible furnace:")]
+            self.error = (errors or self._messages or ["the other Blender ended without a word"])[-1]
             return
         self.rows, self.verdict = report["rows"], report["verdict"]
         if self.verdict is not None:
-            _show(self)
+            _draw_picture(self)
 
 
 def _blender(script):
-    """The command that runs a Python script in another Blender of this kind, with factory settings."""
-    if not bpy.app.binary_path:  # Blender as a Python module
+    """The command line that runs a Python script in another process of this Blender, with factory settings."""
+    if not bpy.app.binary_path:  # Blender is a Python module
         return [sys.executable, "-c", script]
     return [bpy.app.binary_path, "--background", "--factory-startup", "--python-expr", script]
 
 
-def _show(done):
-    """Draw what was measured over the formula's curve."""
+def _draw_picture(test):
+    """Draw the measured albedos over the formula's curve, into a preview. Does nothing in background mode."""
     global _previews
-    if bpy.app.background:  # where nobody sees it
+    if bpy.app.background:
         return
-    views, measured, noise = (np.array([row[key] for row in done.rows]) for key in ("angle_deg", "measured", "noise"))
-    pixels = picture.draw_furnace(quick.plot(*done.of), views, measured, noise)
+    views, measured, noise = (np.array([row[key] for row in test.rows]) for key in ("angle_deg", "measured", "noise"))
+    pixels = picture.draw_furnace(quick.plot(*test.of), views, measured, noise)
     if _previews is None:
         _previews = bpy.utils.previews.new()
         _previews.new("furnace")
@@ -120,7 +128,7 @@ def _show(done):
 
 
 def stop():
-    """End the test that runs, and forget results and picture."""
+    """Cancel a running test, and drop results and picture."""
     global job, _previews
     if job is not None and job.running:
         job.cancel()
@@ -166,11 +174,11 @@ class PLAUSIBLE_OT_furnace_test(OnMaterial, bpy.types.Operator):
         return self._end()
 
     def execute(self, context):
-        """To the end before returning: for scripts and background mode."""
+        """Run the whole test before returning: for scripts and background mode."""
         return self._end() if self._start(context) else {"CANCELLED"}
 
     def cancel(self, context):
-        """The timer and the words in the status bar go, also where Blender ends the operator."""
+        """Remove the timer and the status text. Blender calls this, too, when it ends the operator."""
         context.window_manager.event_timer_remove(self._timer)
         if context.workspace is not None:
             context.workspace.status_text_set(None)
@@ -217,7 +225,7 @@ class PLAUSIBLE_OT_cancel_furnace_test(bpy.types.Operator):
 
 
 def progress_text(job) -> str:
-    """How far the test is, for panel and status bar."""
+    """The progress of the test, for panel and status bar."""
     if not job.done:
         return tr("Furnace test, starting")
     return tr("Furnace test, render {done} of {total}", done=job.done, total=job.total)
@@ -227,7 +235,7 @@ _WRONG = "The furnace differs from the formula: at most {most:.4f} off, at {view
 
 
 def verdict_text(job) -> str:
-    """What the test found, in a sentence."""
+    """The result of the test, in a sentence."""
     if job.verdict is None:
         return tr("Measured; there is no formula for a material with something plugged in or mixed")
     worst = max((abs(a - b), row["angle_deg"]) for row in job.rows
@@ -254,7 +262,7 @@ class _FurnaceTest(Face):
 
 
 def draw_results(layout, context, done, is_current):
-    """Verdict, picture and numbers of a test."""
+    """Draw verdict, picture and numbers of the test `done`."""
     if not is_current:
         draw_text(layout, context, "Measured for other values than now", "TIME")
     draw_text(layout, context, verdict_text(done), "CHECKMARK" if done.verdict in ("ok", None) else "ERROR")
@@ -272,9 +280,9 @@ def draw_results(layout, context, done, is_current):
 
 
 def _numbers(channels):
-    """One number where all channels are alike, else three."""
-    alike = max(channels) - min(channels) < 5e-4
-    return "  ".join(f"{value:.3f}" for value in (channels[:1] if alike else channels))
+    """The channels as text: one number if all round to about the same, else three."""
+    is_gray = max(channels) - min(channels) < 5e-4
+    return "  ".join(f"{value:.3f}" for value in (channels[:1] if is_gray else channels))
 
 
 CLASSES = (PLAUSIBLE_OT_furnace_test, PLAUSIBLE_OT_cancel_furnace_test, *in_both_places((_FurnaceTest,)))

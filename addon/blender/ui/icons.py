@@ -1,4 +1,4 @@
-"""Pictures of models and presets for menus, as icons. There are none in background mode, where nobody sees them."""
+"""Icons of models and presets for menus. None are loaded in background mode."""
 import bpy
 import bpy.utils.previews
 
@@ -10,7 +10,10 @@ _pictures = None
 
 
 def start(in_background: bool = False):
-    """Have the pictures ready that there are. Blender reads each file when it is first shown."""
+    """Register the existing picture files. Blender reads a file when it shows the icon first.
+
+    `in_background` registers them in background mode, too.
+    """
     global _pictures
     if bpy.app.background and not in_background:
         return
@@ -22,7 +25,7 @@ def start(in_background: bool = False):
 
 
 def stop():
-    """Take back what `start` did."""
+    """Remove the pictures."""
     global _pictures
     if _pictures is not None:
         bpy.utils.previews.remove(_pictures)
@@ -30,5 +33,5 @@ def stop():
 
 
 def icon_of(key: str) -> int:
-    """The icon of a model or preset, by id; 0, which is no icon, where there is no picture of it."""
+    """The icon number of a model or preset, by id; 0, Blender's number for no icon, where it has no picture."""
     return _pictures[key].icon_id if _pictures is not None and key in _pictures else 0

@@ -1,4 +1,4 @@
-"""What stands between a material and its picture, in words, and the button that mends it."""
+"""Notices of problems that keep a material from rendering, with buttons that solve them."""
 import bpy
 
 from ...forms.albedo import tables, tabulated
@@ -10,26 +10,29 @@ from ..host.translation import tr
 from ..material import groups, repair, upgrade
 from ..material.sockets import values
 
+# The oldest supported version of Blender.
 OLDEST = (4, 2, 0)
 
 
 def notices(context, node=None, material=None) -> list:
-    """The notices for a material in the context's scene with a `node` of ours, the gravest first.
+    """The notices for a material with a Plausible `node` in the context's scene, the gravest first.
 
-    Without a node there is no such material yet, and only what stands in the way of making one counts.
+    Without a node they cover the obstacles to making such a material, and damaged or outdated nodes of `material`.
     """
-    missing = _build_lacks_something()
-    if missing:
-        return [missing]
-    found = [*_edited(material), _tables(node), _older(material)]
+    # Without a suitable Blender nothing else matters.
+    unsupported = _unsupported_blender()
+    if unsupported:
+        return [unsupported]
+    all_notices = [*_edited(material), _tables(node), _older(material)]
     if node is not None:
         scene, backend = context.scene, groups.backend_of(node)
-        found = [_engine(scene), *backend.why_not(scene), *backend.notices(node, groups.model_of(node), values(node)),
-                 _newer(node), *found]
-    return [notice for notice in found if notice is not None]
+        all_notices = [_engine(scene), *backend.why_not(scene),
+                       *backend.notices(node, groups.model_of(node), values(node)), _newer(node), *all_notices]
+    return [notice for notice in all_notices if notice is not None]
 
 
-def _build_lacks_something():
+def _unsupported_blender():
+    """The notice for a Blender that is too old or lacks OSL, or None."""
     if bpy.app.version < OLDEST:
         return Notice(tr("Blender {version} is too old: this needs 4.2 or later", version=bpy.app.version_string),
                       (GET_BLENDER,))
@@ -37,6 +40,7 @@ def _build_lacks_something():
 
 
 def _engine(scene):
+    """The notice for a scene with another engine than Cycles, or None."""
     if scene.render.engine == "CYCLES":
         return None
     with_cycles = Cure("wm.context_set_enum", "Render with Cycles",
@@ -45,6 +49,7 @@ def _engine(scene):
 
 
 def _newer(node):
+    """The notice for a node from a later version of the extension, or None."""
     if not upgrade.is_newer(node):
         return None
     return Notice(tr("Made by version {version} of the extension: this one is older and may not know all of it",
@@ -52,7 +57,7 @@ def _newer(node):
 
 
 def _older(material):
-    """Of the material shown, as one that was appended, else what became of those that the file brought."""
+    """The notice for outdated nodes, as after appending a material; else the report of the upgrade on loading, or None."""
     tree = material and material.node_tree
     if tree and material.is_editable and any(upgrade.is_outdated(node) for node in tree.nodes):
         return Notice("Made by an earlier version of the extension", (Cure("plausible.upgrade", "Upgrade Materials"),),
@@ -61,12 +66,13 @@ def _older(material):
 
 
 def _edited(material):
-    """That nodes of a material were edited so that they do not work."""
+    """Notices for the nodes of a material that edits have damaged."""
     cures = (Cure("plausible.renew", "Renew Node"),)
     return [Notice(repair.complaint(node), cures if repair.can_renew(node) else ()) for node in repair.broken(material)]
 
 
 def _tables(node):
+    """The notice for an unusable albedo table of the node's model, without a node of any model; or None."""
     model = None if node is None else groups.model_of(node)
     text = table_folder.problem(tables.TABLES if model is None else tabulated.tables_of(model))
     models = {} if model is None else {"models": {model.id}}

@@ -1,7 +1,7 @@
-"""What rendering, baking and waiting cost: ratios that are measured side by side in one run.
+"""Benchmarks of rendering, baking and waiting: ratios that are measured side by side in one run.
 
-Each part is a module with `measure(effort, progress) -> report` (of what JSON holds), `lines(report)` to print and
-`draw(report)`, a Matplotlib figure. `effort` says how long to measure; times are the processors', and medians.
+Each part is a module with three functions: `measure(effort, progress)` returns a report for JSON, `lines(report)`
+yields its lines of text, `draw(report)` returns a Matplotlib figure. Times are medians of processor time.
 """
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ PARTS = {
 
 @dataclass(frozen=True)
 class Effort:
-    """How long is measured: `seconds` a render, `repeats` of each."""
+    """The length of a measurement: `seconds` for each render, `repeats` of each."""
 
     seconds: float
     repeats: int

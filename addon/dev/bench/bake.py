@@ -1,6 +1,6 @@
-"""What an albedo costs: by our quadrature, by Monte Carlo with a Sobol sequence, as in Cycles, and by a plain grid.
+"""The cost of an albedo by our quadrature, by Monte Carlo with a Sobol sequence, as in Cycles, and by a plain grid.
 
-Truth is the quadrature with twice as many nodes each way, which two other integrals confirm (tests/test_baking.py).
+The reference is the quadrature with twice the nodes each way, which two other integrals confirm (tests/test_baking.py).
 """
 import os
 import tempfile
@@ -22,11 +22,11 @@ NODES = ((2, 5), (4, 9), (6, 14), (8, 18), (12, 27), (16, 36))
 TRUTH = (32, 72)
 SOBOL, GRID = range(6, 19, 2), (8, 16, 32, 64, 128, 256, 512)
 BOUND = bake.NODE_BOUND
-IO_REPEATS, EVERY = 9, 8
+IO_REPEATS, EVERY = 9, 8  # repeats of writing and reading; one in EVERY rows of a table is baked
 
 
 def measure(effort, progress) -> dict:
-    """{albedo: rows of error by cost, exponents: ms by exponent, sizes: ms by columns, tables: bake beside reading}."""
+    """{albedo: error by cost, exponents: ms by exponent, sizes: ms by columns, tables: ms of bake and I/O}, in rows."""
     rows, lobes = [], (PHONG, BLINN)
     plans = [(name, size) for name, sizes in (("ours", NODES), ("sobol", SOBOL), ("grid", GRID)) for size in sizes]
     total = len(plans) * len(lobes) + len(tables.TABLES) + 2
@@ -48,45 +48,48 @@ def measure(effort, progress) -> dict:
 
 
 def _quadrature(lobe, n, size):
+    """Albedos (views,) by our quadrature with `size` nodes, and the number of evaluations."""
     light, energy = polar_energy(lobe, n, VIEWS, *size)
     return energy.sum(axis=1), light.size * size[1]
 
 
 def _sobol(lobe, n, size):
+    """Albedos (views,) by 2^`size` samples of a Sobol sequence, and the number of evaluations."""
     from scipy.stats import qmc
 
     u = qmc.Sobol(2, seed=1).random_base2(size)
-    found = []
+    albedos = []
     for mu in VIEWS:
         view = np.broadcast_to([np.sqrt(1.0 - mu * mu), 0.0, mu], (len(u), 3))
         light = lobe.sample(view, u, n)
         density = lobe.pdf(view, light, n)
         seen = (light[:, 2] > 0.0) & (density > 0.0)
         value = lobe.value(view[seen], light[seen], n) * light[seen, 2] / density[seen]
-        found.append(value.sum() / len(u))
-    return np.array(found), len(u) * len(VIEWS)
+        albedos.append(value.sum() / len(u))
+    return np.array(albedos), len(u) * len(VIEWS)
 
 
 def _grid(lobe, n, size):
+    """Albedos (views,) by a grid of `size` x 2 `size` midpoints in angle, and the number of evaluations."""
     theta = 0.5 * np.pi * (np.arange(size) + 0.5) / size
     phi = np.pi * (np.arange(2 * size) + 0.5) / (2 * size)
     sine, cosine = np.sin(theta)[:, None], np.cos(theta)[:, None]
     light = np.stack(np.broadcast_arrays(sine * np.cos(phi), sine * np.sin(phi), cosine), axis=-1).reshape(-1, 3)
     weight = np.broadcast_to(2.0 * sine * cosine, (size, 2 * size)).ravel() * 0.5 * np.pi / size * np.pi / (2 * size)
-    found = [lobe.value(np.broadcast_to([np.sqrt(1.0 - mu * mu), 0.0, mu], light.shape), light, n) @ weight
-             for mu in VIEWS]
-    return np.array(found), light.shape[0] * len(VIEWS)
+    albedos = [lobe.value(np.broadcast_to([np.sqrt(1.0 - mu * mu), 0.0, mu], light.shape), light, n) @ weight
+               for mu in VIEWS]
+    return np.array(albedos), light.shape[0] * len(VIEWS)
 
 
 _METHODS = {"ours": _quadrature, "sobol": _sobol, "grid": _grid}
 
 
 def _cost(method, lobe, size, truth, repeats):
-    """Error, evaluations and time of one albedo of one exponent, and memory of all views at once."""
+    """Error, evaluations and time of one albedo, means over exponents, and memory of all views at once."""
     errors, evaluations = {}, 0
     for n in EXPONENTS:
-        found, count = method(lobe, n, size)
-        errors[f"{n:g}"] = float(np.abs(found / truth[n] - 1.0).max())
+        albedos, count = method(lobe, n, size)
+        errors[f"{n:g}"] = float(np.abs(albedos / truth[n] - 1.0).max())
         evaluations += count / (len(EXPONENTS) * len(VIEWS))
     spent = milliseconds(lambda: [method(lobe, n, size) for n in EXPONENTS], repeats) / (len(EXPONENTS) * len(VIEWS))
     tracemalloc.start()
@@ -98,7 +101,7 @@ def _cost(method, lobe, size, truth, repeats):
 
 
 def _by_exponent(repeats):
-    """Milliseconds of a row of a table, by its exponent."""
+    """Milliseconds of a table's row, by the row's exponent."""
     table = tables.TABLES["phong_controlled"]
     rows = np.unique(np.linspace(0, table.height - 1, 9).astype(int))
     return [{"exponent": float(table.rows.exponents()[row]),
@@ -106,21 +109,21 @@ def _by_exponent(repeats):
 
 
 def _by_size(repeats):
-    """Milliseconds of the row of n = 20 or so, by the table's columns."""
-    declared, found = tables.TABLES["phong_controlled"], []
+    """Milliseconds of the row nearest to n = 20, by the table's columns."""
+    declared, times = tables.TABLES["phong_controlled"], []
     for columns in (36, 72, 144, 288, 576):
         table = declared.with_axes(**{**declared.told_axes(), "columns": columns})
         row = int(np.abs(np.log(table.rows.exponents() / 20.0)).argmin())
-        found.append({"columns": columns,
+        times.append({"columns": columns,
                       "ms": milliseconds(lambda t=table, r=row: bake.bake_row((t, r)), min(repeats, 3))})
-    return found
+    return times
 
 
 def _table(name, albedos):
-    """Time of a bake (of every EVERY-th row, times that), and of writing its file and reading it back.
+    """Times of a bake (of one in EVERY rows, times EVERY), and of writing the file and reading it back.
 
-    `least_ms` is what any quadrature takes that needs as many evaluations as ours within the bound: for a chain of four
-    albedos they are shared, and nothing but the power itself is counted.
+    `least_ms` bounds the time of any quadrature that needs as many evaluations as ours within the bound: the four
+    albedos of a chain share evaluations, and only the power is counted.
     """
     table = tables.in_use(name)
     rows = range(0, table.height, EVERY)
@@ -141,12 +144,13 @@ def _table(name, albedos):
 
 
 def _power_ms():
-    """Milliseconds of one power in an array that fits the processor's cache."""
+    """Milliseconds of one power, in an array that fits the processor's cache."""
     base = np.linspace(0.1, 1.0, 4096)
     return milliseconds(lambda: [base**20.5 for _ in range(64)], 5) / (64 * len(base))
 
 
 def lines(report):
+    """Yields the errors and costs, the times of rows, and the times of tables."""
     yield "error of an albedo by its cost, largest over views and exponents"
     for row in report["albedo"]:
         by = "  ".join(f"n={n}: {error:.1e}" for n, error in row["error"].items())
@@ -162,7 +166,7 @@ def lines(report):
 
 
 def draw(report):
-    """Error over time and over memory of the three ways, and how a row's time grows."""
+    """Plots error over time and over memory for the three methods, and a row's time over its size."""
     plt = plots._pyplot()
     figure, axes = plt.subplots(1, 3, figsize=(12.0, 3.8), layout="constrained")
     names = {"ours": "ours", "sobol": "Monte Carlo, Sobol", "grid": "plain grid"}

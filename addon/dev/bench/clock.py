@@ -1,11 +1,11 @@
-"""Processor time, summed over threads, so that other programs count little."""
+"""Measures processor time, summed over threads, so that other programs count little."""
 import time
 
 import numpy as np
 
 
 def milliseconds(action, repeats: int) -> float:
-    """The median time of `repeats` calls of `action()`."""
+    """The median processor time of `repeats` calls of `action()`, in milliseconds."""
     spent = []
     for _ in range(repeats):
         began = time.process_time()

@@ -1,4 +1,4 @@
-"""What the interface computes while a slider is dragged, in milliseconds of processor time."""
+"""Processor time of the interface's work while the user drags a slider."""
 import numpy as np
 
 from ... import brdf
@@ -9,11 +9,11 @@ from .clock import milliseconds
 
 
 def measure(effort, progress, models=None) -> dict:
-    """{rows: [{model, plot_ms, stand_in_ms}]} at defaults: the panel's plot and picture, and a fitted stand-in."""
+    """{rows: [{model, plot_ms, stand_in_ms}]} at defaults: the panel's plot and picture, and a fitted fallback."""
     rows, chosen = [], [brdf.find_model(name) for name in models or brdf.MODELS]
     for i, model in enumerate(chosen):
         values = {p.id: p.default for p in model.parameters if p.evaluated}
-        picture.draw(quick.plot(model, values))  # which may read an image
+        picture.draw(quick.plot(model, values))  # not timed: the first plot may read an image
         rows.append({"model": model.id,
                      "plot_ms": milliseconds(lambda m=model, v=values: picture.draw(quick.plot(m, v)), effort.repeats),
                      "stand_in_ms": milliseconds(lambda m=model, v=values: principled_fit.fit(m, v), effort.repeats)})
@@ -22,13 +22,14 @@ def measure(effort, progress, models=None) -> dict:
 
 
 def lines(report):
+    """Yields a head and a line for each model."""
     yield f"{'ms of processor time':26}  plot  stand-in"
     for row in report["rows"]:
         yield f"{row['model']:26} {row['plot_ms']:5.0f} {row['stand_in_ms']:9.0f}"
 
 
 def draw(report):
-    """A bar a model and figure."""
+    """Two bars for each model."""
     plt = plots._pyplot()
     rows = report["rows"][::-1]
     figure, axis = plt.subplots(figsize=(8.0, 1.4 + 0.25 * len(rows)), layout="constrained")

@@ -1,29 +1,31 @@
-"""Bytes of the albedo tables by their error: columns and rows by a factor, and numbers of single or half precision."""
+"""Size and error of the albedo tables, by a factor of columns and rows, in single and half precision."""
 import numpy as np
 
 from ...forms.albedo import bake, tables
 from ...measure import plots
 
 FACTORS = (0.25, 0.35, 0.5, 0.7, 1.0, 1.4)
-CELLS = 6  # pairs of rows where a table's error is measured, the last among them
+CELLS = 6  # pairs of rows where a table's error is measured, including the last pair
 
 
 def measure(effort, progress) -> dict:
     """{rows: [{table, factor, precision, bytes, error}]}: the largest relative error between nodes, at CELLS rows."""
     names = [name for name, table in tables.TABLES.items() if isinstance(table, tables.Table)]
-    found, done = [], 0
+    rows, done = [], 0
     for name in names:
         for factor in FACTORS:
-            found.extend(_rows(tables.TABLES[name], factor))
+            rows.extend(_rows(tables.TABLES[name], factor))
             done += 1
             progress(done, len(names) * len(FACTORS))
-    return {"rows": found}
+    return {"rows": rows}
 
 
 def _rows(declared, factor):
-    told = declared.told_axes()
-    told.update({axis: round(factor * told[axis]) for axis in ("columns", "rows")})
-    table = declared.with_axes(**told)
+    """Yields the size and error of a table in each precision, its columns and rows multiplied by `factor`."""
+    axes = declared.told_axes()
+    axes.update({axis: round(factor * axes[axis]) for axis in ("columns", "rows")})
+    table = declared.with_axes(**axes)
+    # Only the rows whose cells are measured are baked.
     nodes = np.zeros((table.height, table.columns.columns, 4))
     chosen = np.unique(np.linspace(0, table.height - 2, CELLS).astype(int))
     for row in {*chosen, *(chosen + 1)}:
@@ -36,13 +38,14 @@ def _rows(declared, factor):
 
 
 def lines(report):
+    """Yields a line for each table, factor and precision."""
     for row in report["rows"]:
         yield (f"{row['table']:17} x{row['factor']:<5g} {row['precision']:8} {1e-3 * row['bytes']:7.0f} kB   "
                f"within {row['error']:.1e}")
 
 
 def draw(report):
-    """Error over bytes, a line a table; half precision dashed."""
+    """Plots error over size, a line for each table; half precision is dotted."""
     plt = plots._pyplot()
     figure, axis = plt.subplots(figsize=(7.2, 4.2), layout="constrained")
     for i, name in enumerate(dict.fromkeys(row["table"] for row in report["rows"])):

@@ -7,14 +7,15 @@ from . import efficiency, nearest
 
 TITLES = {efficiency.FURNACE: "white furnace", efficiency.SKY: "HDRI", efficiency.AREA: "area light",
           efficiency.SUN: "sun of no size", efficiency.FULL: "room"}
-GOAL, SLOWEST = 0.8, 1.3  # of the nearest closure's efficiency and time: what pumped models and lumps aim at
+GOAL, SLOWEST = 0.8, 1.3  # aims of pumped models and lumps, in parts of the nearest closure's efficiency and time
 
 
 def measure(effort, progress, models=None, scenes=efficiency.SCENES, samples=(4,), assignments=(), hdri=None,
             resolution=64) -> dict:
-    """{results: [{model, scene, rows}]}; rows have variance and seconds per sample, ours also ratios to the natives'.
+    """{results: [{model, scene, rows}]}; a row has variance and seconds per sample.
 
-    Raises ValueError for a wrong model, value or scene, before anything is rendered.
+    Rows of our models also have their ratios to Cycles' own materials. Raises ValueError for a wrong model, value or
+    scene before the first render.
     """
     chosen = [brdf.find_model(name) for name in models or brdf.MODELS]
     for model in chosen:
@@ -37,6 +38,7 @@ def measure(effort, progress, models=None, scenes=efficiency.SCENES, samples=(4,
 
 
 def _row(row, natives):
+    """An Efficiency as a dict, with its ratios to those of `natives`."""
     return {
         "title": row.title, "spp": row.spp, "variance_per_sample": row.relative_variance * row.spp,
         "seconds_per_sample": row.seconds / row.spp,
@@ -46,6 +48,7 @@ def _row(row, natives):
 
 
 def lines(report):
+    """Yields a table for each model and scene, then the medians of the scenes."""
     for result in report["results"]:
         yield f"{result['model']}, {TITLES[result['scene']]}, {result['rows'][0]['spp']} samples per pixel"
         names = list(result["rows"][-1]["efficiency"])
@@ -64,13 +67,13 @@ def lines(report):
 
 def summary(report) -> dict:
     """{scene: (median efficiency, median time) of our models over the closure in OSL}."""
-    found = {}
+    ratios = {}
     for result in report["results"]:
         for row in result["rows"]:
             name = next(iter(row["efficiency"]), None)
             if name and "base alone" not in row["title"] and row["efficiency"][name] is not None:
-                found.setdefault(result["scene"], []).append((row["efficiency"][name], row["time"][name]))
-    return {scene: tuple(np.median(pairs, axis=0)) for scene, pairs in found.items()}
+                ratios.setdefault(result["scene"], []).append((row["efficiency"][name], row["time"][name]))
+    return {scene: tuple(np.median(pairs, axis=0)) for scene, pairs in ratios.items()}
 
 
 def _ratio(value):
@@ -78,14 +81,14 @@ def _ratio(value):
 
 
 def draw(report):
-    """Efficiency and time of each model over the closure in OSL, a color for each scene, and of its base alone."""
+    """Plots efficiency and time of each model and its base alone over the closure in OSL; a color for each scene."""
     plt = plots._pyplot()
     scenes = list(dict.fromkeys(result["scene"] for result in report["results"]))
     models = list(dict.fromkeys(result["model"] for result in report["results"]))
     figure, axes = plt.subplots(1, 2, figsize=(11.0, 1.6 + 0.3 * len(models)), sharey=True, layout="constrained")
     for result in report["results"]:
-        place = 0.5 - (scenes.index(result["scene"]) + 0.5) / len(scenes)
-        y = len(models) - 1 - models.index(result["model"]) + 0.6 * place
+        offset = 0.5 - (scenes.index(result["scene"]) + 0.5) / len(scenes)
+        y = len(models) - 1 - models.index(result["model"]) + 0.6 * offset
         for row in result["rows"]:
             name = next(iter(row["efficiency"]), None)
             if name is None:

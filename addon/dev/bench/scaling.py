@@ -1,4 +1,4 @@
-"""How time grows with the work: samples per hit, resolution, and materials in a scene, beside a closure of Cycles."""
+"""Time over the work: samples per hit, resolution, and materials in a scene, beside a closure of Cycles."""
 import numpy as np
 
 from ... import brdf
@@ -8,14 +8,14 @@ from .clock import milliseconds
 
 MODEL = "pumped_phong"
 SAMPLES, RESOLUTIONS, MATERIALS = (1, 2, 4, 8), (32, 64, 128, 256), (1, 2, 4, 8, 16, 32)
-PIXEL_SAMPLES = 0.3e6  # per second of effort: they take some microseconds each
+PIXEL_SAMPLES = 0.3e6  # samples per second of effort; each takes some microseconds
 
 
 def measure(effort, progress, model=MODEL) -> dict:
-    """{samples, resolution, materials: rows}, each with `work` and the processor time of ours and of the closure.
+    """{samples, resolution, materials: rows}; a row has `work` and the processor times `ours` and `closure`.
 
-    It is in milliseconds per million samples of a pixel; by materials there is also `ours_first` and `closure_first`,
-    milliseconds of the render in which Cycles loads and compiles them.
+    These are milliseconds per million samples of a pixel. Rows of materials also have `ours_first` and `closure_first`,
+    milliseconds of the render in which Cycles loads and compiles the materials.
     """
     chosen = brdf.find_model(model)
     closure, _ = nearest.natives(chosen, chosen.resolve({}))
@@ -35,46 +35,48 @@ def measure(effort, progress, model=MODEL) -> dict:
 
 
 def _per_sample(mine, closure, resolution, effort):
-    """Of ours and of the closure, on a sphere under an HDRI."""
+    """Times of our material and of the closure on a sphere under an HDRI."""
     with _sphere(mine, resolution) as one, _sphere(closure, resolution) as other:
         return {"ours": _per_million(one, effort), "closure": _per_million(other, effort)}
 
 
-def _per_million(place, effort):
-    """Milliseconds per million samples of a room's pixels, without what loading takes."""
-    pixels = place.resolution**2
+def _per_million(stage, effort):
+    """Milliseconds per million samples of a measuring scene's pixels, without the time of loading."""
+    pixels = stage.resolution**2
     spp = max(int(PIXEL_SAMPLES * effort.seconds) // pixels, 2)
-    place.render(1)
-    long = np.median([efficiency.timed(place, spp + 1, i)[0] for i in range(effort.repeats)])
-    short = np.median([efficiency.timed(place, 1, i)[0] for i in range(effort.repeats)])
+    stage.render(1)
+    long = np.median([efficiency.timed(stage, spp + 1, i)[0] for i in range(effort.repeats)])
+    short = np.median([efficiency.timed(stage, 1, i)[0] for i in range(effort.repeats)])
     return 1e9 * float(long - short) / (spp * pixels)
 
 
 def _sphere(candidate, resolution):
-    place = scene.MeasuringScene(candidate.material, scene.BALL, resolution)
-    place.sky(1.0, efficiency.hdri_of_blender())
-    place.look_from((0.0, 0.0, 1.0), 2.0)
-    return place
+    """A measuring scene with a candidate on a sphere under an HDRI."""
+    stage = scene.MeasuringScene(candidate.material, scene.BALL, resolution)
+    stage.sky(1.0, efficiency.hdri_of_blender())
+    stage.look_from((0.0, 0.0, 1.0), 2.0)
+    return stage
 
 
 def _of_materials(model, closure, count, effort):
-    """Of `count` materials of ours, of as many exponents, on strips of a plane; and of copies of the closure."""
+    """Times of `count` materials of ours, of different exponents, and of copies of the closure, on a plane's strips."""
     exponents = np.geomspace(5.0, 500.0, count)
     mine = [nearest.ours(model, [f"exponent={float(n)!r}"], 4).material for n in exponents]
     theirs = [closure.material.copy() for _ in exponents]
-    found = {}
+    times = {}
     for name, materials in (("ours", mine), ("closure", theirs)):
-        with scene.MeasuringScene(materials[0], scene.PLANE, 64) as place:
-            place.divide(materials)
-            place.sky(1.0)
-            place.look_from((0.0, 0.0, 1.0))
-            found[name] = _per_million(place, effort)
-            place.scene.render.use_persistent_data = False
-            found[f"{name}_first"] = milliseconds(lambda place=place: place.render(1), effort.repeats)
-    return found
+        with scene.MeasuringScene(materials[0], scene.PLANE, 64) as stage:
+            stage.divide(materials)
+            stage.sky(1.0)
+            stage.look_from((0.0, 0.0, 1.0))
+            times[name] = _per_million(stage, effort)
+            stage.scene.render.use_persistent_data = False
+            times[f"{name}_first"] = milliseconds(lambda stage=stage: stage.render(1), effort.repeats)
+    return times
 
 
 def lines(report):
+    """Yields the rows of each kind of work."""
     yield f"{report['model']} beside {report['closure']}"
     for key in ("samples", "resolution", "materials"):
         yield f"  {key} (ms per million samples{'; loading' if key == 'materials' else ''})"

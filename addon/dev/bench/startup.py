@@ -1,4 +1,4 @@
-"""How long a user waits: for a shader to be compiled, and for the first pixel of a scene that was just opened."""
+"""Measures a user's waits: for the compiler, and for the first pixel of a scene just opened."""
 import time
 
 import numpy as np
@@ -14,8 +14,8 @@ from .efficiency import timed
 def measure(effort, progress, models=None) -> dict:
     """{rows: [{model, assemble_ms, compile_ms, bytes, bake_s, first_pixel_ms, closure_ms}]}, processor time.
 
-    `bake_s` is what a baked model's weights take, null for others. The first pixel is of a scene that Cycles loads
-    anew, `closure_ms` that of the nearest closure in OSL.
+    `bake_s` is the time to bake a model's lobe rows, null for models that are not baked. The first pixel is of a scene
+    that Cycles loads anew; `closure_ms` is the same for the nearest closure in OSL.
     """
     from ...blender.backend import osl
 
@@ -39,15 +39,17 @@ def measure(effort, progress, models=None) -> dict:
 
 
 def _first_pixel(material, repeats):
-    with scene.MeasuringScene(material, scene.PLANE, 4) as place:
-        place.sky(1.0)
-        place.look_from((0.6, 0.0, 0.8))
-        place.scene.render.use_persistent_data = False
-        place.render(1)
-        return 1e3 * float(np.median([timed(place, 1, i)[0] for i in range(repeats)]))
+    """Milliseconds of a render of one sample in a scene that Cycles loads anew."""
+    with scene.MeasuringScene(material, scene.PLANE, 4) as stage:
+        stage.sky(1.0)
+        stage.look_from((0.6, 0.0, 0.8))
+        stage.scene.render.use_persistent_data = False
+        stage.render(1)
+        return 1e3 * float(np.median([timed(stage, 1, i)[0] for i in range(repeats)]))
 
 
 def lines(report):
+    """Yields a head and a line for each model."""
     yield f"{'':26} assemble  compile  bytecode     bake  first pixel  nearest closure's"
     for row in report["rows"]:
         bake = "       -" if row["bake_s"] is None else f"{row['bake_s']:6.1f} s"
@@ -56,7 +58,7 @@ def lines(report):
 
 
 def draw(report):
-    """A bar a model: compiling, and the first pixel beside that of a closure."""
+    """Three bars for each model: the compiler, the first pixel, and the first pixel of a closure."""
     plt = plots._pyplot()
     rows = report["rows"][::-1]
     figure, axis = plt.subplots(figsize=(8.0, 1.4 + 0.3 * len(rows)), layout="constrained")

@@ -1,1 +1,1 @@
-"""Commands of `plausible` that a checkout has and the extension lacks."""
+"""Commands of `plausible` in a checkout, which the extension lacks."""

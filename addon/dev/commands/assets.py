@@ -34,5 +34,6 @@ def run(arguments):
 
 
 def _progress(done, total):
+    """Updates a line of progress on a terminal."""
     if sys.stderr.isatty():
         print(f"\rassets: {done} of {total}", end="\n" if done == total else "", file=sys.stderr, flush=True)

@@ -13,8 +13,8 @@ from .. import bench
 from ..bench import efficiency
 
 PARTS = "\n".join(f"  {name:10} {what}" for name, what in bench.PARTS.items())
-DESCRIPTION = ("Measure what rendering, baking and waiting cost, side by side with what there is: ratios in one run, "
-               f"medians, processor time.\n\n{PARTS}")
+DESCRIPTION = ("Measure the cost of rendering, baking and waiting, side by side with Cycles' own materials and other "
+               f"methods: ratios in one run, medians, processor time.\n\n{PARTS}")
 WITHOUT_BLENDER = ("bake", "luts", "interface")
 BY_MODEL = ("render", "startup", "interface")
 
@@ -27,7 +27,7 @@ def add_arguments(parser):
     parser.add_argument("--set", action="append", default=[], metavar="PARAMETER=VALUE", dest="assignments",
                         help="for render: as in `plausible furnace`")
     parser.add_argument("--scenes", nargs="+", choices=efficiency.SCENES, default=list(efficiency.SCENES),
-                        help="for render: where (default: all)")
+                        help="for render: scenes to render in (default: all)")
     parser.add_argument("--samples", type=int, nargs="+", default=[4], metavar="N",
                         help="for render: samples per hit of our models (default: %(default)s)")
     parser.add_argument("--hdri", metavar="FILE", help="for render: HDRI to light with (default: one of Blender's)")
@@ -68,6 +68,7 @@ def run(arguments):
 
 
 def _options(name, arguments):
+    """Keyword arguments of a part's `measure`."""
     options = {"models": arguments.models} if name in BY_MODEL and arguments.models else {}
     if name == "render":
         options.update(scenes=arguments.scenes, samples=arguments.samples, assignments=arguments.assignments,
@@ -76,11 +77,13 @@ def _options(name, arguments):
 
 
 def _blender():
+    """Blender's version, None where bpy is not loaded."""
     bpy = sys.modules.get("bpy")
     return bpy.app.version_string if bpy else None
 
 
 def _write(folder, name, part, report):
+    """Writes a part's report and plot into a folder."""
     replace_text(folder / f"bench_{name}.json", json.dumps({"blender": _blender(), name: report}, indent=2) + "\n")
     figure = part.draw(report)
     with replacing(folder / f"bench_{name}.png") as beside:

@@ -4,7 +4,8 @@ import json
 from ...cli import CommandError
 from ..packaging import archive, checks
 
-DESCRIPTION = "Check tables and shaders, make the extension's zip, and have Blender's validator judge it where bpy is."
+DESCRIPTION = ("Check tables and shaders, make the extension's zip, and run Blender's validator on it where bpy is "
+               "installed.")
 
 
 def add_arguments(parser):

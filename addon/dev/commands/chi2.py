@@ -9,9 +9,9 @@ from ...measure import plots
 from ...measure.specimen import settings
 from ...statistics import chi_square
 
-DESCRIPTION = ("Draw light directions with a model's sampler and hold them, cell by cell of the sphere, against the "
-               "density that the model claims for them: Pearson's chi-square test. Exit code 1 where the p value is "
-               "below the significance.")
+DESCRIPTION = ("Draw light directions with a model's sampler and compare their counts, cell by cell of the sphere, "
+               "with the model's density: Pearson's chi-square test. Exit code 1 where the p value is below the "
+               "significance.")
 
 
 def add_arguments(parser):
@@ -57,6 +57,7 @@ def run(arguments):
 
 
 def _check(arguments):
+    """Raises CommandError or ValueError for arguments out of range."""
     if not 0.0 <= arguments.view <= 90.0:
         raise CommandError(f"--view: {arguments.view:g} is outside 0 .. 90")
     if not np.isfinite(arguments.azimuth):

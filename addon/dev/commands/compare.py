@@ -6,8 +6,8 @@ from ... import brdf
 from ...measure.specimen import settings
 from ..compare import agreement, properties, published
 
-DESCRIPTION = ("Compute the properties of models from their formulas, and hold against them what Sawicki's comparison "
-               "of BRDF models states.")
+DESCRIPTION = ("Compute the properties of models from their formulas, and compare them with the statements of "
+               "Sawicki's comparison of BRDF models.")
 TITLES = {
     "fresnel": "Fresnel's factor", "reciprocity": "reciprocity", "energy": "energy conservation",
     "off_specular": "off-specular peak", "distribution": "half vectors", "conformity": "conformity with HTSG",
@@ -35,7 +35,7 @@ default. Conformity is the difference called HTSG above, speed the time; what ag
 def add_arguments(parser):
     parser.add_argument("models", nargs="*", metavar="MODEL", help="models, see `plausible list` (default: all)")
     parser.add_argument("--set", action="append", default=[], metavar="PARAMETER=VALUE", dest="assignments",
-                        help="a parameter of all MODELs, as in `plausible furnace`; leaves out what is published")
+                        help="a parameter of all MODELs, as in `plausible furnace`; omits the published statements")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -53,12 +53,12 @@ def run(arguments):
         _print_judged(judged)
 
 
-def _judged(wanted):
-    """[a Verdict on each surface] of the statements about the models `wanted`."""
-    if not wanted.intersection(published.MODELS):
+def _judged(models):
+    """[[a Verdict on each surface]] of the statements about the models, a set of ids."""
+    if not models.intersection(published.MODELS):
         return []
     by_surface = [agreement.verdicts(agreement.matched_rows(surface)) for surface in agreement.SURFACES]
-    return [pair for pair in zip(*by_surface, strict=True) if pair[0].statement.model in wanted]
+    return [pair for pair in zip(*by_surface, strict=True) if pair[0].statement.model in models]
 
 
 def _as_json(verdicts):
@@ -91,15 +91,15 @@ def _print_judged(judged):
     print(f"{'model':18} {'property':22} {'published':10} {named[0] + ':':30} {'agrees':8} {named[1] + ':':30} agrees")
     for verdicts in judged:
         statement = verdicts[0].statement
-        found = " ".join(f"{v.measured:30} {'yes' if v.agrees else 'NO':8}" for v in verdicts)
-        print(f"{statement.model:18} {TITLES[statement.about]:22} {_published(statement):10} {found}".rstrip())
+        results = " ".join(f"{v.measured:30} {'yes' if v.agrees else 'NO':8}" for v in verdicts)
+        print(f"{statement.model:18} {TITLES[statement.about]:22} {_published(statement):10} {results}".rstrip())
         remark = published.REMARKS.get((statement.model, statement.about))
         if remark and not all(v.agrees for v in verdicts):
             print(f"{'':18} {remark}")
 
 
 def _published(statement):
-    """What a statement says, in the words of the table printed."""
+    """A statement's value as text."""
     says = statement.says
     if isinstance(says, str):
         return says
@@ -109,7 +109,7 @@ def _published(statement):
 
 
 def _small(x):
-    """A number from 0, "-" where it is 0 but for rounding."""
+    """A number from 0 up as text, "-" where it is 0 but for rounding."""
     return f"{x:.2f}" if x > 1e-6 else "-"
 
 

@@ -20,9 +20,9 @@ SAVE_THERE = object()  # --save-blend without a file
 
 @dataclass(frozen=True)
 class Scene:
-    """A demo: the module of `addon.dev.demo` that makes it, its sheet of pictures and the .blend it is saved to.
+    """A demo: its module in `addon.dev.demo`, the sheet of its pictures, and its .blend.
 
-    `resolution` (width, height) in pixels and `samples` per pixel are what it takes unless told otherwise.
+    `resolution` (width, height) in pixels and `samples` per pixel are the defaults.
     """
 
     module: str
@@ -80,7 +80,8 @@ def add_arguments(parser):
                         help="size of each panel (default 480x360; spheres 640x480, road 640x368, furnace 960x480, "
                              "reflector 320x300, presets 112x112)")
     parser.add_argument("--save-blend", type=Path, nargs="?", const=SAVE_THERE, metavar="FILE",
-                        help="only write the scene, dressed as the last panel (default its own file in demo_blends)")
+                        help="only write the scene, with the last panel's materials (default FILE: the scene's own in "
+                             "demo_blends)")
 
 
 def _count(text):
@@ -114,7 +115,7 @@ def run(arguments):
 
 
 def _settings(scene, arguments):
-    """The scene's module, and the resolution and samples that were asked for or are its own."""
+    """The scene's module, and the resolution and samples of the arguments or, by default, of the scene."""
     module = importlib.import_module(f"..demo.{scene.module}", __package__)
     return module, arguments.resolution or scene.resolution, arguments.samples or scene.samples
 

@@ -5,8 +5,8 @@ from ... import brdf
 from ...cli import CommandError, require
 from ..pages import links, manual, write
 
-DESCRIPTION = ("Write the models' pages and their index from what the registry declares, and of all pages the manual "
-               "that ships in the extension; with --pictures also the models' pictures, rendered in Cycles, which "
+DESCRIPTION = ("Write the models' pages and their index from the registry, and the manual of all pages, which ships in "
+               "the extension; with --pictures also the models' pictures, rendered in Cycles, which "
                "takes a minute a model.")
 ROOT = write.DOCS.parent
 
@@ -15,7 +15,7 @@ def add_arguments(parser):
     parser.add_argument("model", nargs="*", metavar="MODEL", help="models whose pictures are drawn (default: all)")
     parser.add_argument("--pictures", action="store_true", help="draw pictures, too")
     parser.add_argument("--check", action="store_true",
-                        help="write nothing; fail where a page is not what would be written, or a link leads nowhere")
+                        help="write nothing; fail where a page is outdated or a link is broken")
     parser.add_argument("--output", type=Path, default=write.MODEL_PAGES, metavar="DIR",
                         help="folder of the pages (the repository's by default)")
 

@@ -32,14 +32,14 @@ def run(arguments):
 
 
 def write_set(name, folder):
-    """Draw the set `name` into `folder`; yields each path written."""
+    """Draws the set `name` into `folder`; yields each path written."""
     figures = importlib.import_module(SETS[name])
-    for each in figures.SET:
-        yield from write(figures.draw(each), folder, f"{name}_{each}")
+    for figure in figures.SET:
+        yield from write(figures.draw(figure), folder, f"{name}_{figure}")
 
 
 def write(figure, folder, name):
-    """Write a figure into `folder` as PNG and SVG; yields each path written."""
+    """Writes a figure into `folder` as PNG and SVG; yields each path written."""
     for ending, metadata in (("png", {"Software": None}), ("svg", {"Date": None})):
         path = folder / f"{name}.{ending}"
         figure.savefig(path, metadata=metadata)

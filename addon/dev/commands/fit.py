@@ -19,19 +19,19 @@ DESCRIPTION = ("Find the parameters with which a model comes nearest to another 
 def add_arguments(parser):
     parser.add_argument("model", metavar="MODEL", help="the model to find parameters for")
     target = parser.add_mutually_exclusive_group(required=True)
-    target.add_argument("--to", metavar="MODEL", dest="target", help="the model to be like")
+    target.add_argument("--to", metavar="MODEL", dest="target", help="the model to match")
     target.add_argument("--table", type=Path, metavar="FILE.csv",
-                        help="the data to be like: columns theta_view, theta_light, phi (degrees; phi is 180 on the "
+                        help="the data to match: columns theta_view, theta_light, phi (degrees; phi is 180 on the "
                              "mirror's side) and f or f_r, f_g, f_b (1/sr), named in a header line; # begins a comment")
     parser.add_argument("--set", action="append", default=[], metavar="PARAMETER=VALUE", dest="assignments",
-                        help="parameters of the model to be like, as in `plausible furnace`; may be repeated")
+                        help="parameters of the --to model, as in `plausible furnace`; may be repeated")
     parser.add_argument("--with", action="append", default=[], metavar="PARAMETER=VALUE", dest="own",
                         help="parameters of MODEL itself to begin with; may be repeated")
     parser.add_argument("--free", nargs="+", metavar="PARAMETER",
-                        help="what may change (default: all numbers but wavelength, scattering and rotation, and the "
+                        help="parameters to fit (default: all numbers but wavelength, scattering and rotation, and the "
                              "base color; colors stay gray where the target is)")
     parser.add_argument("--views", type=float, nargs="+", metavar="DEG",
-                        help="view angles from the normal, 0 to 85, of a model to be like (default: 0 to 60 by tens)")
+                        help="view angles from the normal, 0 to 85, of the --to model (default: 0 to 60 by tens)")
     parser.add_argument("--floor", type=float, default=samples.FLOOR, metavar="PART",
                         help="part of the peak that is added to values before they are compared (default: %(default)s)")
     parser.add_argument("--json", action="store_true", help="print JSON")
@@ -61,7 +61,7 @@ def run(arguments):
 
 
 def _check(arguments):
-    """Raise CommandError for what can be told before a search of some seconds."""
+    """Raises CommandError for wrong arguments, before a search of some seconds."""
     for name, given in (("--set", arguments.assignments), ("--views", arguments.views)):
         if arguments.table is not None and given:
             raise CommandError(f"{name} goes with --to, not with --table")
@@ -72,14 +72,14 @@ def _check(arguments):
 
 
 def _progress():
-    """A function (largest error) that keeps one line on a terminal up to date; None elsewhere."""
+    """A function (largest error) that updates one line on a terminal; None elsewhere."""
     if not sys.stderr.isatty():
         return None
     return lambda error: print(f"\rfit: largest error {percent(error):12}", end="", file=sys.stderr, flush=True)
 
 
 def percent(error) -> str:
-    """A relative error in words."""
+    """A relative error as text."""
     if error is None:
         return "unknown"
     return f"{100.0 * error:.3g} %" if error >= 1e-5 else "< 0.001 %"
@@ -93,7 +93,7 @@ def _draw(arguments, found):
 
 
 def title(arguments, found) -> str:
-    """What was fitted to what."""
+    """The figure's title: the model and its target."""
     return f"{found.model.label} fitted to {found.target[0].label if found.target else arguments.table.name}"
 
 

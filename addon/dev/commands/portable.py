@@ -7,14 +7,14 @@ from ...portability import portable
 
 DESCRIPTION = ("Copy a .blend, and nothing else, to an empty read-only folder, render it small in a separate Blender "
                "that has an empty user profile and no extension, and compare that pixel by pixel with the file as it "
-               "renders in its place. Says in words what would be missing elsewhere. Pictures are rendered on the CPU, "
+               "renders in its place. Prints what would be missing elsewhere. Pictures are rendered on the CPU, "
                "without denoising, adaptive sampling or compositing. Exit code 1 where a picture differs, a Blender "
                "cannot render it, something would be missing, or another version's picture is far from the first's.")
 
 
 def add_arguments(parser):
     parser.add_argument("blend", metavar="FILE.blend", help="the file; its active scene is rendered")
-    parser.add_argument("--frame", type=int, metavar="N", help="the frame (default: the one that the file is at)")
+    parser.add_argument("--frame", type=int, metavar="N", help="the frame (default: the file's current frame)")
     parser.add_argument("--blender", nargs="+", metavar="PATH", action="extend",
                         help="a Blender executable, or a Python that has bpy, of any version; each of several renders "
                         "the file in both places, and is compared with the first (default: this Python)")
@@ -32,16 +32,16 @@ def run(arguments):
     if not Path(arguments.blend).is_file():
         raise CommandError(f"no file {arguments.blend}")
     blenders = arguments.blender or [portable.own_blender()]
-    journeys = [portable.travel(arguments.blend, blender, arguments.frame, arguments.size, arguments.samples)
+    probes = [portable.travel(arguments.blend, blender, arguments.frame, arguments.size, arguments.samples)
                 for blender in blenders]
-    findings = list(dict.fromkeys(finding for journey in journeys for finding in journey.findings))
-    alike = all(_is_near(portable.difference(journeys[0].in_place, journey.alone), arguments.tolerance)
-                for journey in journeys if not journey.error and not journeys[0].error)
-    good = alike and all(j.identical and not j.written for j in journeys) and not any(f.grave for f in findings)
+    findings = list(dict.fromkeys(finding for probe in probes for finding in probe.findings))
+    alike = all(_is_near(portable.difference(probes[0].in_place, probe.alone), arguments.tolerance)
+                for probe in probes if not probe.error and not probes[0].error)
+    good = alike and all(j.identical and not j.written for j in probes) and not any(f.grave for f in findings)
     if arguments.json:
-        print(json.dumps(_report(arguments, journeys, findings, good), indent=2))
+        print(json.dumps(_report(arguments, probes, findings, good), indent=2))
     else:
-        _print(arguments, journeys, findings)
+        _print(arguments, probes, findings)
     return 0 if good else 1
 
 
@@ -49,20 +49,20 @@ def _is_near(apart, tolerance):
     return apart is not None and apart.coarse <= tolerance
 
 
-def _report(arguments, journeys, findings, good):
+def _report(arguments, probes, findings, good):
     return {"file": arguments.blend, "bytes": Path(arguments.blend).stat().st_size, "samples": arguments.samples,
-            "portable": good, "journeys": [_journey(journey, journeys[0]) for journey in journeys],
+            "portable": good, "journeys": [_journey(probe, probes[0]) for probe in probes],
             "findings": [vars(finding) for finding in findings]}
 
 
-def _journey(journey, first):
-    entry = {"blender": journey.blender, "version": journey.version, "error": journey.error or None}
-    if journey.error:
+def _journey(probe, first):
+    entry = {"blender": probe.blender, "version": probe.version, "error": probe.error or None}
+    if probe.error:
         return entry
-    apart = portable.difference(journey.in_place, journey.alone)
-    from_first = None if first.error or first is journey else portable.difference(first.in_place, journey.alone)
-    return {**entry, "scene": journey.scene, "frame": journey.frame, "size": list(journey.alone.shape[1::-1]),
-            "identical": journey.identical, "difference": _numbers(apart), "written_beside": journey.written,
+    apart = portable.difference(probe.in_place, probe.alone)
+    from_first = None if first.error or first is probe else portable.difference(first.in_place, probe.alone)
+    return {**entry, "scene": probe.scene, "frame": probe.frame, "size": list(probe.alone.shape[1::-1]),
+            "identical": probe.identical, "difference": _numbers(apart), "written_beside": probe.written,
             "difference_from_first": _numbers(from_first)}
 
 
@@ -70,34 +70,34 @@ def _numbers(difference):
     return None if difference is None else vars(difference)
 
 
-def _print(arguments, journeys, findings):
+def _print(arguments, probes, findings):
     size = Path(arguments.blend).stat().st_size / 1e6
     print(f"{arguments.blend}: {size:.2f} MB, {arguments.samples} samples")
-    for journey in journeys:
-        print(f"Blender {journey.version or journey.blender}: {_verdict(journey)}")
-        first = journeys[0]
-        if journey is not first and not journey.error and not first.error:
-            apart = portable.difference(first.in_place, journey.alone)
+    for probe in probes:
+        print(f"Blender {probe.version or probe.blender}: {_verdict(probe)}")
+        first = probes[0]
+        if probe is not first and not probe.error and not first.error:
+            apart = portable.difference(first.in_place, probe.alone)
             far = "" if _is_near(apart, arguments.tolerance) else ": this is another picture"
             print(f"  against {first.version}: {_apart(apart)}{far}")
-        for name in journey.written:
+        for name in probe.written:
             print(f"  wrote {name} beside the copy")
     for title, grave in (("would be missing or otherwise elsewhere:", True), ("to know:", False)):
         chosen = [finding for finding in findings if finding.grave == grave]
         if chosen:
             print(title, *(f"  {finding.subject}: {finding.text}" for finding in chosen), sep="\n")
-    if not any(finding.grave for finding in findings) and any(not journey.error for journey in journeys):
+    if not any(finding.grave for finding in findings) and any(not probe.error for probe in probes):
         print("nothing would be missing")
 
 
-def _verdict(journey):
-    if journey.error:
-        return journey.error
-    height, width, _ = journey.alone.shape
-    place = f"scene {journey.scene!r}, frame {journey.frame}, {width} x {height} pixels"
-    if journey.identical:
-        return f"{place}: alone it renders identically, bit for bit"
-    return f"{place}: alone it differs: {_apart(portable.difference(journey.in_place, journey.alone))}"
+def _verdict(probe):
+    if probe.error:
+        return probe.error
+    height, width, _ = probe.alone.shape
+    picture = f"scene {probe.scene!r}, frame {probe.frame}, {width} x {height} pixels"
+    if probe.identical:
+        return f"{picture}: alone it renders identically, bit for bit"
+    return f"{picture}: alone it differs: {_apart(portable.difference(probe.in_place, probe.alone))}"
 
 
 def _apart(apart):

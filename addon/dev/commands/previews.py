@@ -7,9 +7,9 @@ from ...cli import CommandError, require
 from ...library.presets import PRESETS
 from ...models import MODELS
 
-DESCRIPTION = ("Render the small pictures of models and presets that the panel's menus show: a ball each. Models that "
-               "are baked take their time to bake.")
-LARGEST = 12 * 1024  # bytes of a picture: they all travel in the extension's zip
+DESCRIPTION = ("Render the small pictures of models and presets that the panel's menus show: a ball each. Baked models "
+               "take seconds to bake first.")
+LARGEST = 12 * 1024  # bytes of a picture; all pictures ship in the extension's zip
 
 
 def add_arguments(parser):
@@ -47,5 +47,5 @@ def _jobs(arguments, previews):
         if name in MODELS:
             yield path, name, previews.look(name), False
         else:
-            given = PRESETS[name].parameters
-            yield path, PRESETS[name].model, given, given.get("retro", 0.0) > 0.5
+            parameters = PRESETS[name].parameters
+            yield path, PRESETS[name].model, parameters, parameters.get("retro", 0.0) > 0.5

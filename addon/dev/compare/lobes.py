@@ -1,7 +1,7 @@
-"""Lobes in the plane of incidence, the x-z plane, and their width: what models are compared by.
+"""Lobes in the plane of incidence, the x-z plane, and their widths, for comparing models.
 
-The plane holds the tangent, so strands and stretched lobes are cut along it. Angles are in degrees from the normal; of
-views the mirror direction's side is positive. `given` are a model's parameters, by id.
+The plane contains the tangent, so strands and stretched lobes are cut along it. Angles are in degrees from the normal;
+views on the mirror direction's side have positive angles. `given` are a model's parameters {id: value}.
 """
 import numpy as np
 
@@ -9,7 +9,7 @@ from ...fitting import match
 from ...models.channels import mean
 from ...models.geometry import in_plane
 
-WIDEST = 45.0  # of half vectors at normal incidence: their lights are at the horizon
+WIDEST = 45.0  # degrees; at normal incidence the light of such a half vector is at the horizon
 
 
 def value(model, view, light, given) -> np.ndarray:
@@ -18,13 +18,13 @@ def value(model, view, light, given) -> np.ndarray:
 
 
 def those(model, **values) -> dict:
-    """Of `values` those that the model has parameters for."""
+    """The items of `values` that are parameters of the model."""
     known = {p.id for p in model.parameters}
     return {name: x for name, x in values.items() if name in known}
 
 
 def glossy(model, given) -> dict:
-    """`given` without diffuse part and color: the lobe alone."""
+    """`given` with a white color and no diffuse part: the lobe alone."""
     white = {"base_color": (1.0, 1.0, 1.0), "diffuse_color": (0.0, 0.0, 0.0), "fresnel_type": "constant"}
     return {**given, **those(model, **white)}
 
@@ -40,12 +40,12 @@ def seen_from_above(model, half_angles, given) -> np.ndarray:
 
 
 def half_angle(model, given) -> float:
-    """Half vector's angle at which f, seen from above, has fallen to one half; WIDEST where it never does."""
+    """The half vector's angle (degrees) where f, seen from above, falls to one half; WIDEST where it never does."""
     return min(float(np.degrees(match.half_angle(model, match.complete(model, given), match.ALONG))), WIDEST)
 
 
 def crossing(x, y, part: float) -> float:
-    """Where `y` (N,) first falls below `part` of y[0], `x` (N,) ascending; the last x where it never does."""
+    """The x where `y` (N,) first falls below `part` of y[0]; `x` (N,) ascends. The last x where y never falls."""
     low = y < part * y[0]
     if not low.any():
         return float(x[-1])
@@ -54,10 +54,10 @@ def crossing(x, y, part: float) -> float:
 
 
 def matched(model, angle: float, given=None) -> dict:
-    """All parameters of the model, `given` and others, with the lobe as wide as `angle`, and round (fitting/match.py).
+    """All parameters of the model with its lobe round and of half angle `angle` (fitting/match.py); others as `given`.
 
-    Pumped ones are matched as they are before, which is nearly the same. Raises ValueError where no value of the
-    parameter of shape gives that width.
+    Pumped models are matched unpumped, which is nearly the same. Raises ValueError where no value of the width
+    parameter gives that width.
     """
     values = match.complete(model, {**(given or {}), **those(model, use_roughness=False)})
     shaped, _ = match.shaped(model, {**values, **those(model, pumps=0.0)}, (np.radians(angle), np.radians(angle)))

@@ -1,6 +1,6 @@
-"""What a reflectance model is like: each property one function, computed from the formula, all together a `Row`.
+"""Properties of a reflectance model, computed from its formula: one function for each, and all together a `Row`.
 
-`given` are a model's parameters, by id; what is not given is at its default. f is the mean of its channels.
+`given` are a model's parameters {id: value}; others have their defaults. f is the mean of its channels.
 """
 import time
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from ...models.geometry import in_plane, view_at
 from . import lobes
 
 ALBEDO_ANGLES = (*range(0, 80, 5), 80.0, 82.0, 84.0, 86.0, 87.0, 88.0, 89.0, 89.5)  # degrees
-QUADRATURE_ERROR = 1e-3  # of an albedo, the interpolation of those that pumping divides by among it
+QUADRATURE_ERROR = 1e-3  # of an albedo, including the interpolation of the albedos that pumping divides by
 OFF_SPECULAR_ANGLES = (60.0, 70.0, 80.0)  # of the light, degrees
 CONFORMITY_ANGLES = (15.0, 30.0, 45.0, 60.0, 70.0)  # of Sawicki's figures 2 and 3
 REFERENCE = "he_torrance"
@@ -24,7 +24,7 @@ NO_DIFFUSE, LAMBERT, NOT_LAMBERT = "none", "Lambert", "not Lambert"
 
 @dataclass(frozen=True)
 class Row:
-    """The properties of one model; the functions of their names say what they are."""
+    """The properties of one model; the functions of the same names define them."""
 
     model: str
     half_angle: float
@@ -44,7 +44,7 @@ class Row:
 
     @property
     def conserves(self) -> bool:
-        """Whether no albedo passes 1 by more than the quadrature may err."""
+        """Whether no albedo exceeds 1 by more than the quadrature's error."""
         return self.largest_albedo <= 1.0 + QUADRATURE_ERROR
 
 
@@ -64,7 +64,7 @@ def measure(model, given=None, reference=None) -> Row:
 
 
 def reciprocity_error(model, given) -> float:
-    """Largest |f(V, L) - f(L, V)| over the larger of both, 0..1; pairs that are negligible do not count."""
+    """Largest |f(V, L) - f(L, V)| over the larger of both, 0..1; negligible pairs do not count."""
     view, light = _pairs()
     there, back = lobes.value(model, view, light, given), lobes.value(model, light, view, given)
     return _largest_difference(there, back, view[:, 2] * light[:, 2])
@@ -73,7 +73,7 @@ def reciprocity_error(model, given) -> float:
 def largest_albedo(model, given) -> tuple:
     """(largest albedo, its angle in degrees) among ALBEDO_ANGLES.
 
-    The view is in the plane of the tangent, that of a formula which knows a tangent also across it.
+    The view lies in the plane of the tangent; for stretched models also across it.
     """
     mu = np.cos(np.radians(ALBEDO_ANGLES))
     albedo = mean(model.albedo(mu, **given))
@@ -85,7 +85,7 @@ def largest_albedo(model, given) -> tuple:
 
 
 def off_specular(model, given, light_angle: float):
-    """How far beyond the mirror direction the lobe peaks, in degrees; None where it grows to the horizon unbounded.
+    """Angle (degrees) of the lobe's peak beyond the mirror direction; None where f is unbounded at the horizon.
 
     The peak is that of f itself in the plane of incidence, the light fixed, as in Sawicki's figures 3 and 4: what a
     goniometer's radiance shows. A peak at the horizon is 90 degrees minus the light's angle.
@@ -101,9 +101,9 @@ def off_specular(model, given, light_angle: float):
 
 
 def fresnel(model, given) -> float:
-    """By what factor the mirror direction's color of 4 % grows from 0 to 85 degrees; 1 where it does not.
+    """Factor by which a color of 4 % grows in the mirror direction from 0 to 85 degrees; 1 without Fresnel's effect.
 
-    Where the model has a choice, Schlick's approximation is chosen.
+    A model with a choice takes Schlick's approximation.
     """
     dark = {**lobes.glossy(model, given), **lobes.those(model, base_color=(0.04,) * 3, fresnel_type="schlick")}
     angles = np.array([0.0, 85.0])
@@ -115,7 +115,7 @@ def fresnel(model, given) -> float:
 def anisotropy(model, given) -> float:
     """Largest change of f, in parts of the larger value, 0..1, as view and light turn about the normal by 90 degrees.
 
-    Parameters that come in pairs, along and across the tangent, are made unequal for it.
+    Parameters that come in pairs, along and across the tangent, are set to unequal values.
     """
     p = model.resolve(given)
     unequal = {q.id: q.clamp(0.5 * p[q.id.removesuffix("_v") + "_u"]) for q in model.parameters if q.id.endswith("_v")}
@@ -126,9 +126,9 @@ def anisotropy(model, given) -> float:
 
 
 def diffuse(model, given) -> str:
-    """What a diffuse color adds: nothing, a constant f (Lambert), or something that depends on the directions.
+    """The kind of diffuse part: none, a constant f (Lambert), or one that depends on the directions.
 
-    Over a specular color of one half, as some parts are what that lets in.
+    The specular color is one half, since some diffuse parts scale with the light that it lets in.
     """
     added = lobes.those(model, diffuse_color=(0.5,) * 3)
     if not added:
@@ -137,13 +137,13 @@ def diffuse(model, given) -> str:
     over = {**given, **lobes.those(model, base_color=(0.5,) * 3)}
     with_it = lobes.value(model, view, light, {**over, **added})
     amount = with_it - lobes.value(model, view, light, {**over, "diffuse_color": (0.0,) * 3})
-    # Far out on the lobe, where the difference is no small number between large ones.
+    # Only far out on the lobe: near its peak the difference of large numbers is imprecise.
     amount = amount[with_it < 10.0 * np.median(with_it)]
     return LAMBERT if np.ptp(amount) < 1e-6 * amount.max() else NOT_LAMBERT
 
 
 def spike(model, given) -> float:
-    """Largest reflectance of the perfect mirror on top of f, 0..1."""
+    """Largest reflectance of the perfect mirror besides f, 0..1."""
     if not getattr(model, "spike", None):
         return 0.0
     return float(mean(model.spike(np.cos(np.radians(ALBEDO_ANGLES)), model.resolve(given))).max())
@@ -163,7 +163,7 @@ def dispersion(model, given) -> float:
 def half_vector_distribution(model, given) -> tuple:
     """(BECKMANN, POWER or NEITHER, {each: root mean square error}): what half vectors follow at normal incidence.
 
-    The distribution is D = 4 f (N·L)(N·V) of microfacets that hide nothing (Cook and Torrance 1982, as normalized by
+    The distribution is D = 4 f (N·L)(N·V) of microfacets without masking (Cook and Torrance 1982, as normalized by
     Neumann et al. eq. 9). Candidates fall to one half where D does. Errors are in parts of the peak, out to where D is
     one hundredth. NEITHER where the smaller error is more than half of the other.
     """
@@ -181,7 +181,7 @@ def half_vector_distribution(model, given) -> tuple:
 
 
 def conformity(model, given, reference=None):
-    """How far the lobes are from He-Torrance's of the parameters `reference`: 0 none, 1 as large as those themselves.
+    """Difference of the lobes from He-Torrance's with the parameters `reference`, in parts of these: 0 where equal.
 
     The model's shape is matched in width, each lobe divided by its peak, and the difference taken over all views in the
     plane of incidence: root mean square over that of He-Torrance's lobe, and the mean of CONFORMITY_ANGLES. None where
@@ -202,14 +202,15 @@ def conformity(model, given, reference=None):
 
 
 def cost(model, given, repeats: int = 15, count: int = 5000) -> float:
-    """Time of `evaluate` for `count` pairs in parts of Phong's: the median of interleaved `repeats`, processor time.
+    """Processor time of `evaluate` for `count` pairs over Phong's: the median of interleaved `repeats`.
 
-    It is the time of this NumPy reference, the albedos of pumped models known; a renderer's is another.
+    It is the time of this NumPy reference, with the albedos of pumped models already computed; a renderer's time
+    differs.
     """
     mu = np.random.default_rng(1).uniform(0.1, 1.0, (2, count))
     view, light = (view_at(m) for m in mu)
     phong = brdf.MODELS["phong"]
-    model.evaluate(view[:1], light[:1], **given)  # whatever it keeps is made now
+    model.evaluate(view[:1], light[:1], **given)  # fills the model's caches
 
     def seconds(m, p):
         start = time.thread_time()

@@ -1,4 +1,4 @@
-"""What Sawicki states of the models, as data; nothing here is measured.
+"""Sawicki's statements about the models, as data; nothing here is measured.
 
 Source: D. Sawicki, "Modeling the metallic reflection using appropriate BRDF model": table 1, and its text where that
 speaks of Phong's and Ward's models. Pluses are given as their number, "-" as 0 of them or False.
@@ -10,7 +10,7 @@ TABLE, TEXT = "table 1", "text"
 
 @dataclass(frozen=True)
 class Statement:
-    """That the property `about` of a model is `says`: a bool, a number of pluses, or the name of a distribution."""
+    """The published value `says` of a model's property `about`: a bool, a number of pluses, or a distribution."""
 
     model: str
     about: str
@@ -45,7 +45,7 @@ STATEMENTS = (
 )
 MODELS = tuple(dict.fromkeys(statement.model for statement in STATEMENTS))
 
-# Why what is measured differs, or what the measurement leaves out.
+# Reasons for differences, and limits of the measurements.
 REMARKS = {
     ("he_torrance", "energy"): "of a surface that absorbs nothing: the absorption of a metal hides as much",
     ("he_torrance", "off_specular"): "the sum of both cosines sets the phase: smooth surfaces lean inwards",

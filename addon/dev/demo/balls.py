@@ -28,12 +28,12 @@ def build(model, side: int):
     scene = parts.empty_scene("Balls", (side * len(settings), side))
     parts.gradient_sky(scene, SKY)
     mesh = None
-    for column, given in enumerate(settings):
+    for column, parameters in enumerate(settings):
         body = parts.ball(scene, f"Ball {column + 1}", RADIUS, mesh)
         mesh = body.data
         body.location.x = (column - 0.5 * (len(settings) - 1)) * SPACING
         body.material_slots[0].link = "OBJECT"  # the mesh is shared
-        body.material_slots[0].material = create_material(model.id, name=f"{model.label} {column + 1}", **given)
+        body.material_slots[0].material = create_material(model.id, name=f"{model.label} {column + 1}", **parameters)
         body.visible_diffuse = body.visible_glossy = body.visible_shadow = False  # each sees sun and sky alone
     sun = bpy.data.lights.new("Sun", "SUN")
     sun.energy, sun.angle = SUN_ENERGY, math.radians(SUN_ANGLE)

@@ -85,7 +85,7 @@ def prepare(scene, samples: int):
 
 
 def render_all(folder: Path, resolution, samples: int, report=None) -> list:
-    """Build the scene, render its picture, return the PNG's path in a list. `report(line)` is told of it."""
+    """Build the scene, render its picture, return the PNG's path in a list. `report(line)` gets the progress."""
     folder.mkdir(parents=True, exist_ok=True)
     scene = build(resolution)
     prepare(scene, samples)

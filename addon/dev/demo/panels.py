@@ -76,7 +76,7 @@ def render(stage, panel: Panel, folder: Path, material_factory=metal_material) -
 
 
 def render_all(folder: Path, resolution, samples: int, material_factory=metal_material, report=None) -> list:
-    """Build the scene, render the six panels, return their PNG paths. `report(line)` is told of each."""
+    """Build the scene, render the six panels, return their PNG paths. `report(line)` gets the progress."""
     from . import picture, scene
 
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""What the demo's scenes are made of: bodies, matte materials, skies, the camera, and the file. Lengths in meters."""
+"""Parts of the demos' scenes: bodies, matte materials, skies, the camera, and the file. Lengths in meters."""
 import math
 
 import bpy
@@ -51,7 +51,7 @@ def place(scene, name, data):
 
 
 def ball(scene, name, radius, mesh=None):
-    """A sphere about the origin with one empty slot for a material, of `mesh` where one is given, which is shared."""
+    """A sphere about the origin with one empty material slot; it shares `mesh` if that is not None."""
     if mesh is not None:
         return place(scene, name, mesh)
     angles = [math.pi * (i / 64.0 - 0.5) for i in range(65)]
@@ -82,7 +82,7 @@ def wear(body, material):
 
 def nodes_of(block):
     """The emptied node tree of a material or world."""
-    if block.node_tree is None:  # 5.x blocks are born with one, and warn when asked for it
+    if block.node_tree is None:  # 5.x makes blocks with a tree, and warns about this switch
         block.use_nodes = True
     block.node_tree.nodes.clear()
     return block.node_tree

@@ -1,4 +1,4 @@
-"""How the demo's pictures are rendered and written."""
+"""Renders and writes the demos' pictures."""
 import contextlib
 import os
 import sys
@@ -47,7 +47,7 @@ def write(scene, folder: Path, stem: str, alpha: bool = False) -> Path:
 
 
 def write_all(steps, report=None) -> list:
-    """Paths of the pictures that `steps`, pairs of a caption and a function, render; `report(line)` is told of each."""
+    """Runs `steps`, pairs (caption, function that renders); returns the paths. `report(line)` gets the progress."""
     paths = []
     for number, (caption, step) in enumerate(steps, 1):
         start = time.monotonic()
@@ -59,7 +59,7 @@ def write_all(steps, report=None) -> list:
 
 @contextlib.contextmanager
 def quiet():
-    """Keep what the renderer prints off the standard output, where the command's results belong."""
+    """Discards the renderer's standard output, which is for the command's results."""
     sys.stdout.flush()
     saved, null = os.dup(1), os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, 1)

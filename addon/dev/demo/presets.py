@@ -54,7 +54,7 @@ def prepare(scene, samples: int):
 
 
 def render_all(folder: Path, resolution, samples: int, report=None) -> list:
-    """Build the scene, render it, cut it up; returns the tiles' PNG paths. `report(line)` is told of the picture."""
+    """Build the scene, render it, cut it up; returns the tiles' PNG paths. `report(line)` gets the progress."""
     folder.mkdir(parents=True, exist_ok=True)
     scene = build(resolution)
     prepare(scene, samples)

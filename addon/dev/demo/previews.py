@@ -18,8 +18,8 @@ STRENGTH, TURN = 0.55, 60.0  # of the HDRI; degrees about z
 # left shoulder, small enough to show the shape of a highlight, and one at the camera for what reflects back.
 KEY, HEADLIGHT = (-38.0, 42.0, 0.9, 5.0), (0.0, 3.0, 0.1, 5.0)
 EXPOSURE = 0.0  # stops
-DISTANCE, LENS = 6.0, 96.0
-# What needs other values than its defaults to look like itself.
+DISTANCE, LENS = 6.0, 96.0  # of the camera: meters, mm
+# Models that do not look typical at their defaults, and better values.
 SPECIAL = {
     "phong_original": {"base_color": (1.0, 0.78, 0.42), "diffuse_color": (0.30, 0.19, 0.05)},
     "blinn_original": {"base_color": (1.0, 0.78, 0.42), "diffuse_color": (0.30, 0.19, 0.05)},

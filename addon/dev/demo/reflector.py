@@ -55,12 +55,12 @@ def half_angle() -> float:
 
 def surfaces() -> list:
     """The reference, and the other models at its width."""
-    found = [Surface(*REFERENCE)]
+    rows = [Surface(*REFERENCE)]
     for model in MATCHED:
         names = brdf.MODELS[model].axes or (brdf.MODELS[model].width_parameter,)
         matched = match.match(*REFERENCE, model).parameters
-        found.append(Surface(model, {name: matched[name] for name in names}))
-    return found
+        rows.append(Surface(model, {name: matched[name] for name in names}))
+    return rows
 
 
 def captions() -> list:
@@ -76,7 +76,7 @@ def build(resolution):
     # From the rim down to the vertex: the faces look inwards.
     profile = [(r, r * r / (4.0 * FOCUS)) for r in np.linspace(RIM, 0.0, 65)]
     bowl = parts.add(scene, "Reflector", shapes.lathe(profile, 192))
-    # Light that has been reflected leaves: what is compared is one reflection.
+    # One reflection is compared: reflected light does not meet the bowl again.
     bowl.visible_diffuse = bowl.visible_glossy = bowl.visible_shadow = False
     data = bpy.data.lights.new("Lamp", "POINT")
     data.energy, data.shadow_soft_size = LAMP_POWER, LAMP_RADIUS
@@ -96,7 +96,7 @@ def prepare(scene, samples: int):
     """Set the renderer to `samples` per pixel."""
     picture.prepare(scene, samples, exposure=0.0, indirect_clamp=0.0, bounces=1)
     scene.cycles.use_adaptive_sampling = False
-    scene.cycles.sampling_pattern = "TABULATED_SOBOL"  # the default pattern ties neighboring pixels' noise together
+    scene.cycles.sampling_pattern = "TABULATED_SOBOL"  # the default pattern correlates the noise of neighboring pixels
 
 
 def dress(bowl, surface):
@@ -112,7 +112,7 @@ def dress(bowl, surface):
 def render_all(folder: Path, resolution, samples: int, report=None) -> list:
     """Render each surface; write its picture beside one in false color, and reflector.json with what was measured.
 
-    `resolution` is that of one of the two. Returns the PNGs' paths; `report(line)` is told of each.
+    `resolution` is that of one of the two. Returns the PNGs' paths; `report(line)` gets the progress.
     """
     folder.mkdir(parents=True, exist_ok=True)
     scene, bowl = build(resolution)
@@ -124,9 +124,9 @@ def render_all(folder: Path, resolution, samples: int, report=None) -> list:
         png, figure = _render_twice(scene, folder, f"reflector_{surface.model}")
         figures.append(figure)
         reference = figures[0]
-        found = None if figure is reference else compare(figure, reference)
-        measured.append({"model": surface.model, "parameters": surface.parameters, **(found or {})})
-        _show(png, figure.mean(axis=0), reference.mean(axis=0).max(), found)
+        difference = None if figure is reference else compare(figure, reference)
+        measured.append({"model": surface.model, "parameters": surface.parameters, **(difference or {})})
+        _show(png, figure.mean(axis=0), reference.mean(axis=0).max(), difference)
         return png
 
     paths = picture.write_all([(surface.caption, partial(step, surface)) for surface in surfaces()], report)
@@ -137,11 +137,12 @@ def render_all(folder: Path, resolution, samples: int, report=None) -> list:
 
 
 def compare(figure, reference) -> dict:
-    """What tells two luminous figures apart, each (2, height, width): radiance rendered with two seeds.
+    """The difference of two luminous figures, each (2, height, width): radiance rendered with two seeds.
 
     `flux` is the light towards the camera, `difference` the root mean square of the difference of the two figures at
-    equal flux, both in parts of the reference's; what ends in `noise` is its standard error. As seeds are independent,
-    the product of two seeds' differences is on average the square of the true one, with no noise in it.
+    equal flux, both in parts of the reference's; keys in `_noise` hold standard errors. The seeds are
+    independent, so the product of both seeds' differences has the square of the true difference as its mean, without
+    noise.
     """
     mean, other = figure.mean(axis=0), reference.mean(axis=0)
     flux, power = mean.sum() / other.sum(), np.mean(other**2)
@@ -193,7 +194,7 @@ def rim() -> np.ndarray:
 def _show(png, radiance, brightest, measured):
     """Put the picture `png` beside its radiance over `brightest` in false color, with what was measured, in its place.
 
-    `measured` is what `compare` found, or None for the reference.
+    `measured` is the result of `compare`, or None for the reference.
     """
     from matplotlib import image
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -219,8 +220,8 @@ def _show(png, radiance, brightest, measured):
     bar.set_ticks(ticks, labels=[f"{tick:g}".removeprefix("0") for tick in ticks])
     bar.ax.tick_params(colors="white", labelsize=7.5 * small, length=2, pad=1.5)
     bar.outline.set_visible(False)
-    words = "the reference" if measured is None else (
+    note = "the reference" if measured is None else (
         f"light {measured['flux']:.4f} ± {measured['flux_noise']:.4f}\n"
         f"shape differs by {100.0 * measured['difference']:.1f} ± {100.0 * measured['difference_noise']:.1f} %")
-    figure.text(0.51, 0.03, words, color="white", size=8.5 * small, va="bottom")
+    figure.text(0.51, 0.03, note, color="white", size=8.5 * small, va="bottom")
     figure.savefig(png, dpi=100, facecolor="black")

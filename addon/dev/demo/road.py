@@ -142,7 +142,7 @@ def render(stage: Stage, version: Version, folder: Path) -> Path:
 
 
 def render_all(folder: Path, resolution, samples: int, report=None) -> list:
-    """Build the scene, render both versions, return their PNG paths. `report(line)` is told of each."""
+    """Build the scene, render both versions, return their PNG paths. `report(line)` gets the progress."""
     folder.mkdir(parents=True, exist_ok=True)
     stage = build(resolution)
     prepare(stage, samples)
@@ -172,11 +172,11 @@ def _asphalt():
     """Matte, with grains of stone: they let the eye see how far the light reaches."""
     material = parts.matte("Asphalt", ASPHALT)
     nodes, links = material.node_tree.nodes, material.node_tree.links
-    place, noise, ramp = (nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "TexNoise", "ValToRGB"))
+    coordinates, noise, ramp = (nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "TexNoise", "ValToRGB"))
     noise.inputs["Scale"].default_value, noise.inputs["Detail"].default_value = 9.0, 8.0
     for element, position, factor in zip(ramp.color_ramp.elements, (0.3, 0.7), (0.45, 1.6), strict=True):
         element.position, element.color = position, (*(factor * c for c in ASPHALT), 1.0)
-    links.new(place.outputs["Object"], noise.inputs["Vector"])
+    links.new(coordinates.outputs["Object"], noise.inputs["Vector"])
     links.new(noise.outputs[0], ramp.inputs[0])
     diffuse = next(node for node in nodes if node.bl_idname == "ShaderNodeBsdfDiffuse")
     links.new(ramp.outputs["Color"], diffuse.inputs["Color"])

@@ -22,7 +22,7 @@ UPRIGHT = (0.0, 0.0)
 
 @dataclass(frozen=True)
 class Sphere:
-    """One sphere: what stands below it, its model and parameters.
+    """One sphere: its label, model and parameters.
 
     `axis`: tilt of the object's z axis towards the camera and to the right, degrees. `brushed`: a direction in world
     space that the tangent is linked to, or () where it is unlinked and runs around the object's z axis.
@@ -88,7 +88,7 @@ def prepare(scene, samples: int):
 
 
 def render_all(folder: Path, resolution, samples: int, report=None) -> list:
-    """Build the scene, render its picture, return the PNG's path in a list. `report(line)` is told of it."""
+    """Build the scene, render its picture, return the PNG's path in a list. `report(line)` gets the progress."""
     folder.mkdir(parents=True, exist_ok=True)
     scene = build(resolution)
     prepare(scene, samples)

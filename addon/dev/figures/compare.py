@@ -1,8 +1,8 @@
-"""Lobes of all models in the plane of incidence, as wide as one another: as figures 2 to 4 of Sawicki's comparison.
+"""Lobes of all models in the plane of incidence, matched in width, as in figures 2 to 4 of Sawicki's comparison.
 
 Source: D. Sawicki, "Modeling the metallic reflection using appropriate BRDF model". Every model has the half angle of
-He-Torrance's on one surface. A lobe is f itself for a fixed light, by the angle of the view, and is drawn over its own
-peak: what the paper normalizes by it does not say. The plane contains the tangent.
+He-Torrance's model on one surface. A lobe is f for a fixed light over the view's angle, divided by its peak: the paper
+does not give its normalization. The plane contains the tangent.
 """
 from dataclasses import dataclass
 
@@ -47,7 +47,7 @@ class Lobes:
 
 
 def lobes_of(model) -> Lobes:
-    """Its lobes, the shape matched in width to He-Torrance's on SURFACE, or at its default where none matches."""
+    """The model's lobes, matched in width to He-Torrance's on SURFACE, or of the default width where none matches."""
     given = lobes.those(model, **SURFACE)
     angle = lobes.half_angle(brdf.MODELS["he_torrance"], SURFACE)
     try:
@@ -60,7 +60,7 @@ def lobes_of(model) -> Lobes:
 
 
 def page_of(model) -> str:
-    """The page of SET that shows a model: every one is on one, beside the page of those that the paper compares."""
+    """The page of SET that shows a model. The page of the models that the paper compares is separate."""
     if isinstance(model, PumpedModel):
         return "pumped"
     if not isinstance(model, FormulaModel):
@@ -85,7 +85,7 @@ def _draw_models(name):
                "mirror directions. Numbers: height of the peak over f at normal incidence.\n" + _matched_note())
     if any(model.id == "kajiya_kay" for model in models):
         caption += "\nKajiya-Kay: the plane contains the strands; across them f is the same for all views."
-    columns = min((4, 3, 5), key=lambda c: -len(models) % c)  # with the fewest places left empty
+    columns = min((4, 3, 5), key=lambda c: -len(models) % c)  # with the fewest empty panels
     figure, axes = _panels(TITLES[name], caption, len(models), columns, 0.36)
     for at, model in zip(axes, models, strict=True):
         shown = lobes_of(model)
@@ -113,10 +113,10 @@ def _draw_published():
         _mark(at, light, INK)
         x, y = _point(light, 1.0)
         at.plot([0.0, x], [0.0, y], color=INK, linewidth=0.9, linestyle=(0, (1, 2)))
-        for each, color in zip(shown, MODEL_COLOURS, strict=True):
-            _polar(at, each.curves[i], color, filled=False)
+        for curves, color in zip(shown, MODEL_COLOURS, strict=True):
+            _polar(at, curves.curves[i], color, filled=False)
         at.set_title(f"light at {light:g}°", pad=2.0)
-    _legend(figure, [(color, each.model.label) for each, color in zip(shown, MODEL_COLOURS, strict=True)])
+    _legend(figure, [(color, curves.model.label) for curves, color in zip(shown, MODEL_COLOURS, strict=True)])
     return figure
 
 
@@ -162,13 +162,14 @@ def _protractor(at):
 
 
 def _mark(at, light, color):
-    """The light's ray, and a dot where it would be mirrored to."""
+    """Draws the light's ray and a dot at its mirror direction."""
     x, y = _point(light, 1.0)
     at.plot([-x, 0.0], [y, 0.0], color=color, linewidth=0.9, linestyle=(0, (5, 3)))
     at.plot(x, y, marker="o", markersize=3.2, color=color, linestyle="none", zorder=3.0)
 
 
 def _polar(at, radius, color, filled=True):
+    """Draws a lobe with `radius` at each of VIEWS."""
     x, y = _point(VIEWS, radius)
     at.plot(x, y, color=color, linewidth=1.4)
     if filled:

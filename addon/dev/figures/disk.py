@@ -14,7 +14,8 @@ from .style import INK, SHADES, STYLE, captioned
 SET = ("lobes", "lumps", "half_vectors")
 
 VIEWS = (0.0, 20.0, 40.0, 60.0)  # degrees
-# One lump for all views: the largest that stays on the disk at the last. Its exponent keeps the lobes 0 at the horizon.
+# One lump for all views: the largest that stays on the disk at the last view. With its exponent lobes are 0 at the
+# horizon.
 LOBE = {"radius": float(disk.room(0.5)), "exponent": 2.0}
 PROJECTIONS = {"disk_scaling": "Scaling projection (eq. 20)", "disk_orthogonal": "Orthogonal projection (eq. 24)"}
 
@@ -52,8 +53,8 @@ def lump_curve(radius: float, exponent: float, count: int = 801):
 def half_vector_density(model: str, view_angle: float, point, projection=disk.ORTHOGONAL, **parameters):
     """Density p (N,) on the disk of a model's half vectors at `point` (N, 2), solved from eq. 11; NaN off the disk.
 
-    p = 4 f (N·L)(L·H) / (dh/dH), its volume the albedo. Of colors it is the mean. The view lies in the x-z plane, at
-    `view_angle` degrees. By the orthogonal projection p is f itself, as |V+L| = 2 (L·H).
+    p = 4 f (N·L)(L·H) / (dh/dH), its volume the albedo. f is the mean of its channels. The view lies in the x-z plane,
+    at `view_angle` degrees. By the orthogonal projection p is f itself, as |V+L| = 2 (L·H).
     """
     point = np.atleast_2d(np.asarray(point, dtype=np.float64))
     view = np.tile(in_plane(view_angle), (len(point), 1))
@@ -102,7 +103,7 @@ def draw_half_vectors(compared=COMPARED, projection=disk.ORTHOGONAL):
                 image = half_vector_image(model, angle, projection, **given)
                 shown = _show_disk(at, angle, image, LogNorm(0.01, 10.0))
                 albedo = np.mean(brdf.MODELS[model].albedo(np.cos(np.radians(angle)), **given))
-                # In the corner that the disk leaves free.
+                # In the corner outside the disk.
                 at.text(*((-1.05, -1.05) if angle > 40.0 else (2.05, -1.05)), f"a = {albedo:.3f}",
                         ha="left" if angle > 40.0 else "right", va="bottom", size=8, color=INK)
             row[0].set_ylabel(f"{title}\nv (disk radii)")
@@ -126,7 +127,7 @@ def _draw_lobes():
             f"for all views: eq. 26 with c = 0, n = {LOBE['exponent']:g} and R = 1 - sin 60° = {LOBE['radius']:.3f},\n"
             f"the largest that stays on the disk at 60°; p(0) = (n+1)/(πR²) = {peak:.1f}. In the mirror direction f is "
             "p(0)/4 on the left, and higher beyond it; on the right p(0), the peak."))
-        # A half plane fills the middle half of a square, which reaches out of the figure below.
+        # The polar axes are a square whose middle half is the half plane; the square extends below the figure.
         figure.set_layout_engine("none")
         width, height = figure.get_size_inches()
         side = 4.5

@@ -1,6 +1,6 @@
-"""A fit beside what it is fitted to: lobes in the plane of incidence, and the albedo, before, after and wanted.
+"""A fit and its target: lobes in the plane of incidence and albedos, of the target, the start and the fit.
 
-Of stretched lobes it shows the plane of the tangent.
+Stretched lobes are shown in the plane of the tangent.
 """
 import numpy as np
 
@@ -15,40 +15,40 @@ TARGET = {"label": "target", "color": "#b8bdc9", "linewidth": 5.0, "solid_capsty
 MATCHED = {"label": "matched by width", "color": SHADES[1], "linestyle": (0, (5, 3))}
 FITTED = {"label": "fitted", "color": SHADES[4]}
 DOTS = {"label": "target", "color": "#8d94a5", "linestyle": "none", "marker": "o", "markersize": 4.5}
-_VISIBLE = 0.01  # of the peak: what a lobe's plot reaches to
+_VISIBLE = 0.01  # of the peak: the plot of a lobe ends where f falls below
 
 
-def draw(found: fit.Fit, title: str):
-    """The figure of a `fit.Fit` as a matplotlib Figure. Of colors it shows the luminance."""
+def draw(fitted: fit.Fit, title: str):
+    """The figure of a `fit.Fit` as a matplotlib Figure. Colors are shown by their luminance."""
     import matplotlib
 
-    views = _views(found)
+    views = _views(fitted)
     rows, columns = (2, 2) if len(views) == 3 else (1, len(views) + 1)
     height = 0.4 + 3.6 * rows
     with matplotlib.rc_context(STYLE):
-        figure = captioned((5.3 * columns, height), title, _caption(found))
+        figure = captioned((5.3 * columns, height), title, _caption(fitted))
         axes = figure.subplots(rows, columns).ravel()
         for at, view in zip(axes, views, strict=False):
-            _draw_lobe(at, found, view)
-        _draw_albedo(axes[-1], found)
+            _draw_lobe(at, fitted, view)
+        _draw_albedo(axes[-1], fitted)
         lines, labels = axes[0].get_legend_handles_labels()
         figure.legend(lines, labels, loc="upper right", ncols=3, bbox_to_anchor=(0.99, 1.0))
     return figure
 
 
-def _views(found):
-    """View angles (degrees) of the plots of lobes: of a table those that it has nearest to VIEWS."""
-    if found.target is not None:
+def _views(fitted):
+    """View angles (degrees) of the plots of lobes: VIEWS, or a table's angles nearest to them."""
+    if fitted.target is not None:
         return VIEWS
-    there = np.unique(np.degrees(np.arccos(found.samples.view[:, 2])).round(6))
-    return np.unique([there[np.abs(there - view).argmin()] for view in VIEWS])
+    available = np.unique(np.degrees(np.arccos(fitted.samples.view[:, 2])).round(6))
+    return np.unique([available[np.abs(available - view).argmin()] for view in VIEWS])
 
 
-def _caption(found):
-    parts = [f"{max(100.0 * error, 1e-3):.3g} % of {name}" for error, name in
-             zip(found.errors, ("f (N·L)", "the albedo"), strict=True) if error is not None]
-    highest = np.degrees(np.arccos(found.samples.view[:, 2])).max()
-    return f"Largest relative error, fitted: {' and '.join(parts)}, at views up to {highest:.3g}°."
+def _caption(fitted):
+    errors = [f"{max(100.0 * error, 1e-3):.3g} % of {name}" for error, name in
+              zip(fitted.errors, ("f (N·L)", "the albedo"), strict=True) if error is not None]
+    highest = np.degrees(np.arccos(fitted.samples.view[:, 2])).max()
+    return f"Largest relative error, fitted: {' and '.join(errors)}, at views up to {highest:.3g}°."
 
 
 def lobe_curve(model, values, view: float, angles):
@@ -57,32 +57,32 @@ def lobe_curve(model, values, view: float, angles):
     return luminance(model.evaluate(in_plane(view), light, **values)) * light[:, 2]
 
 
-def _curves(found):
-    """[(model, values, look)] that can be evaluated anywhere."""
-    target = [(*found.target, TARGET)] if found.target is not None else []
-    return [*target, (found.model, found.start, MATCHED), (found.model, found.parameters, FITTED)]
+def _curves(fitted):
+    """[(model, values, look)] of the curves: the target where it is a model, the start and the fit."""
+    target = [(*fitted.target, TARGET)] if fitted.target is not None else []
+    return [*target, (fitted.model, fitted.start, MATCHED), (fitted.model, fitted.parameters, FITTED)]
 
 
-def _draw_lobe(at, found, view):
+def _draw_lobe(at, fitted, view):
     angles = np.linspace(-90.0, 90.0, 7201)
-    rows = _draw_rows(at, found, view, angles) if found.target is None else 0.0
-    curves = [(lobe_curve(model, values, view, angles), look) for model, values, look in _curves(found)]
+    rows = _draw_rows(at, fitted, view, angles) if fitted.target is None else 0.0
+    curves = [(lobe_curve(model, values, view, angles), look) for model, values, look in _curves(fitted)]
     for curve, look in curves:
         at.plot(angles, curve, **look)
-    wanted = np.maximum(curves[0 if found.target else -1][0], rows)
-    lit = angles[wanted > _VISIBLE * wanted.max()]
+    target = np.maximum(curves[0 if fitted.target else -1][0], rows)
+    lit = angles[target > _VISIBLE * target.max()]
     margin = 0.15 * np.ptp(lit) + 0.2
     at.axvline(view, color="#9a9aa2", linewidth=0.9, linestyle=(0, (1, 2)), zorder=0.5)
-    # Where the start is far off, the others would be flat lines.
-    top = max(wanted.max(), curves[-1][0].max())
+    # A start far from the target must not flatten the other curves.
+    top = max(target.max(), curves[-1][0].max())
     at.set(title=f"View at {view:g}°", xlabel="angle of light in the plane of incidence (degrees)",
            ylabel="f (N·L) (1/sr)", xlim=(max(lit.min() - margin, -90.0), min(lit.max() + margin, 90.0)),
            ylim=(0.0, 1.1 * min(max(top, curves[-2][0].max()), 2.5 * top)))
 
 
-def _draw_rows(at, found, view, angles):
-    """Dots of a table's rows in the plane of incidence; returns them read between at `angles`."""
-    rows = found.samples
+def _draw_rows(at, fitted, view, angles):
+    """Plots a table's rows in the plane of incidence as dots; returns them interpolated at `angles`."""
+    rows = fitted.samples
     phi = np.arctan2(rows.light[:, 1], rows.light[:, 0])
     chosen = (np.abs(rows.light[:, 1]) < 1e-6) & (np.abs(np.degrees(np.arccos(rows.view[:, 2])) - view) < 1e-3)
     tilt = np.degrees(np.arccos(rows.light[chosen, 2])) * np.where(np.abs(phi[chosen]) > 1.0, 1.0, -1.0)
@@ -94,15 +94,15 @@ def _draw_rows(at, found, view, angles):
     return np.interp(angles, tilt[order], value[order], left=0.0, right=0.0)
 
 
-def _draw_albedo(at, found):
+def _draw_albedo(at, fitted):
     angles = np.linspace(0.0, 85.0, 86)
     top = 1.0
-    for model, values, look in _curves(found):
+    for model, values, look in _curves(fitted):
         albedo = luminance(model.albedo(np.cos(np.radians(angles)), **values))
         at.plot(angles, albedo, **look)
         top = max(top, albedo[angles <= 75.0].max())  # some grow without bound at grazing
-    rows = found.samples
-    if found.target is None and rows.integrable.any():
+    rows = fitted.samples
+    if fitted.target is None and rows.integrable.any():
         cosines = [rows.view[rows.group == number][0, 2] for number in np.nonzero(rows.integrable)[0]]
         albedo = luminance(rows.albedos(rows.value))
         at.plot(np.degrees(np.arccos(cosines)), albedo, clip_on=False, **DOTS)

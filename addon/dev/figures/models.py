@@ -1,6 +1,6 @@
 """The picture of a model's page: three balls, and beside them the albedos and lobes of the same values.
 
-Source: the model's own formula; the balls need bpy, which is asked for only when they are rendered.
+Source: the model's own formula; only rendering the balls needs bpy.
 """
 import tempfile
 from pathlib import Path
@@ -20,12 +20,12 @@ SIZE, DPI = (10.4, 2.15), 100  # inches, pixels an inch
 SIDE = 120  # of a ball's tile, pixels
 LIGHT = 45.0  # degrees
 LINES = (SHADES[1], SHADES[2], SHADES[4])
-GRAYS, TINTS = 64, 12  # of the PNG's palette, which has tints of each of LINES besides: more costs room
-TALLEST = 1.3  # albedo: above, curves are cut
+GRAYS, TINTS = 64, 12  # of the PNG's palette, with TINTS of each of LINES; more make the file larger
+TALLEST = 1.3  # albedo where curves are cut
 
 
 def write(model, folder: Path) -> Path:
-    """Render and draw the picture of a model into `folder`; returns its path. An old one is replaced by a whole one."""
+    """Renders and draws a model's picture into `folder`; returns its path. Only a complete one replaces an old one."""
     from matplotlib import image
 
     from ..demo import balls
@@ -58,7 +58,7 @@ def draw(model, tiles, radius: float):
 
 
 def _disk(side, radius):
-    """1 inside a ball and 0 outside, (side, side, 1): what is around a ball is to be the page's white."""
+    """Mask (side, side, 1): 1 inside a ball and 0 outside, where the picture is the page's white."""
     x = np.arange(side) + 0.5 - 0.5 * side
     return np.clip(radius * side - np.hypot(x, x[:, None]) + 0.5, 0.0, 1.0)[..., None]
 
@@ -91,18 +91,18 @@ def save(figure, path: Path) -> Path:
     from PIL import Image
 
     figure.canvas.draw()
-    few = Image.fromarray(_nearest(np.asarray(figure.canvas.buffer_rgba())[..., :3], _palette()))
-    few.putpalette(_palette().ravel().tolist())
+    indexed = Image.fromarray(_nearest(np.asarray(figure.canvas.buffer_rgba())[..., :3], _palette()))
+    indexed.putpalette(_palette().ravel().tolist())
     with replacing(path) as beside:
-        few.save(beside, format="PNG", optimize=True)
+        indexed.save(beside, format="PNG", optimize=True)
     return path
 
 
 def _nearest(pixels, palette):
-    """Number in the `palette` (colors, 3) of the color nearest to each of `pixels` (height, width, 3)."""
-    found, place = np.unique(pixels.reshape(-1, 3).astype(int), axis=0, return_inverse=True)
-    number = ((found[:, None] - palette) ** 2).sum(axis=-1).argmin(axis=1)
-    return number[place.ravel()].reshape(pixels.shape[:2]).astype(np.uint8)
+    """Index (height, width) of the nearest color in `palette` (colors, 3) of each of `pixels` (height, width, 3)."""
+    distinct, inverse = np.unique(pixels.reshape(-1, 3).astype(int), axis=0, return_inverse=True)
+    index = ((distinct[:, None] - palette) ** 2).sum(axis=-1).argmin(axis=1)
+    return index[inverse.ravel()].reshape(pixels.shape[:2]).astype(np.uint8)
 
 
 def _palette():

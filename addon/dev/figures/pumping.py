@@ -24,7 +24,7 @@ CHAINS = {  # name: (model, control, title)
     "blinn_controlled": ("pumped_blinn", True, "Controlled pumping-up of reciprocal Blinn, n = 20"),
 }
 SLOPE = 0.1  # m of figure 1's Cook-Torrance and Ward
-COMPARED = {  # label in figure 1: (model or None, parameters, shade, dashes); the last two are not in the paper's
+COMPARED = {  # label in figure 1: (model or None, parameters, shade, dashes); the last two are not in the paper
     "reciprocal Phong, n = 150": ("phong", {"exponent": 150.0}, "#3d5a80", "-"),
     "He-Torrance, σ₀ = 0.1, τ = 1.7": ("he_torrance", {"sigma": 0.1, "tau": 1.7}, "#1f8a70", "-"),
     "Cook-Torrance, m = 0.1": ("cook_torrance", {"roughness": SLOPE}, "#b5310f", "-"),
@@ -62,10 +62,10 @@ def without_geometry(view, light, slope: float = SLOPE):
 
 def compared_albedo(label: str, cos_theta):
     """Albedo (N,) of one of COMPARED at N·V = `cos_theta` (N,), with a Fresnel factor of 1."""
-    model, given, *_ = COMPARED[label]
+    model, parameters, *_ = COMPARED[label]
     if model is None:
         return np.array([quadrature.hemisphere(without_geometry, view, SLOPE) for view in view_at(cos_theta)])
-    return mean(brdf.MODELS[model].albedo(cos_theta, **given))
+    return mean(brdf.MODELS[model].albedo(cos_theta, **parameters))
 
 
 def growth(label: str, last: float = LAST) -> float:

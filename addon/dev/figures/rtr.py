@@ -1,7 +1,7 @@
 """Figure 7.38 of Real-Time Rendering, rendered: the original Phong highlight above, the normalized one below.
 
-Source: Akenine-Möller, Haines, Hoffman, "Real-Time Rendering", 3rd ed., 2008. Needs bpy, which is asked for only when
-the figure is drawn.
+Source: Akenine-Möller, Haines, Hoffman, "Real-Time Rendering", 3rd ed., 2008. Only drawing
+needs bpy.
 """
 import tempfile
 from pathlib import Path
@@ -30,14 +30,14 @@ def draw(name: str):
 
 
 def _before_ground(tile, radius):
-    """A tile (side, side, 3) with GROUND in place of what lies outside the sphere of `radius` pixels in its middle."""
+    """A tile (side, side, 3) with GROUND outside the centered sphere of `radius` pixels."""
     x = np.arange(len(tile)) + 0.5 - 0.5 * len(tile)
     inside = np.clip(radius - np.hypot(x, x[:, None]) + 0.5, 0.0, 1.0)[..., None]
     return inside * tile + (1.0 - inside) * GROUND
 
 
 def _assemble(picture, row):
-    """A tile for each sphere over its m and the specular factor that it has."""
+    """The figure: a tile for each sphere, with its m and its specular factor."""
     import matplotlib
 
     side = picture.shape[0] // 2

@@ -1,4 +1,4 @@
-"""What all figures share: colors, lines, and a page with a title and a caption."""
+"""The style of all figures: colors, lines, and a page with a title and a caption."""
 
 INK, GREY, FAINT = "#1b1b1d", "#55555c", "#dcdce1"
 SHADES = ("#8d99ae", "#3d5a80", "#1f8a70", "#e09f1f", "#b5310f")

@@ -1,1 +1,1 @@
-"""Making and checking the extension's zip. Never imports bpy itself."""
+"""Making and checking the extension's zip. Importing it never imports bpy."""

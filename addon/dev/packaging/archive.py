@@ -1,4 +1,4 @@
-"""The extension's zip: which files the manifest lets in, and an archive that is the same bytes for the same files."""
+"""The extension's zip: the files that the manifest allows, in an archive that is equal for equal files."""
 import re
 import tomllib
 import zipfile
@@ -9,16 +9,17 @@ from ...forms.files import replacing
 from ...resources import ROOT
 
 MANIFEST = "blender_manifest.toml"
-_TIMESTAMP = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip can hold: the clock must not change the archive
+_TIMESTAMP = (1980, 1, 1, 0, 0, 0)  # a zip's earliest time: the clock must not change the archive
+# Files without which the extension does not work.
 _NEEDED = ("__init__.py", "LICENSE", "addon/__init__.py")
 
 
 class PackageError(ValueError):
-    """The source folder is not this extension, or its manifest says something that is not understood."""
+    """The source folder is not this extension, or its manifest has an entry that is not understood."""
 
 
 def read_manifest(root: Path = ROOT) -> dict:
-    """The manifest of the source folder `root`. Raises PackageError when there is none or it is not one."""
+    """The manifest of the source folder `root`, a dict. Raises PackageError where it is missing or malformed."""
     path = Path(root) / MANIFEST
     try:
         manifest = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -35,15 +36,15 @@ def read_manifest(root: Path = ROOT) -> dict:
 
 
 def file_name(manifest: dict) -> str:
-    """Name of the zip, as Blender's own builder gives it."""
+    """Name of the zip, the same as by Blender's own builder."""
     return f"{manifest['id']}-{manifest['version']}.zip"
 
 
 def is_excluded(path: str, is_folder: bool, patterns) -> bool:
-    """Whether the `paths_exclude_pattern` of a manifest leave out `path` (relative, with forward slashes).
+    """Whether a manifest's `paths_exclude_pattern` exclude `path` (relative, with forward slashes).
 
-    Of the rules of a .gitignore these are known: `name`, `name/` (folders only), `/name` (at the top only), wildcards
-    within a name, and `!` for exceptions; the last pattern that matches decides. Raises PackageError for any other.
+    These rules of a .gitignore are supported: `name`, `name/` (folders only), `/name` (at the top only), wildcards
+    within a name, and `!` for exceptions. The last matching pattern decides. Raises PackageError for any other pattern.
     """
     excluded = False
     for pattern in patterns:
@@ -60,10 +61,10 @@ def is_excluded(path: str, is_folder: bool, patterns) -> bool:
 
 
 def files(root: Path = ROOT) -> list:
-    """Files of the zip, relative to `root`, sorted. Raises PackageError when one lacks that it cannot do without."""
+    """Files of the zip, relative to `root`, sorted. Raises PackageError where a needed file is missing."""
     root = Path(root)
     patterns = read_manifest(root).get("build", {}).get("paths_exclude_pattern", [])
-    found, folders = [MANIFEST], [root]
+    names, folders = [MANIFEST], [root]
     while folders:
         for entry in folders.pop().iterdir():
             path = entry.relative_to(root).as_posix()
@@ -72,21 +73,25 @@ def files(root: Path = ROOT) -> list:
             if entry.is_dir():
                 folders.append(entry)
             else:
-                found.append(path)
-    missing = [name for name in _NEEDED if name not in found]
+                names.append(path)
+    missing = [name for name in _NEEDED if name not in names]
     if missing:
         raise PackageError(f"{root}: {', '.join(missing)} missing")
-    return sorted(found)
+    return sorted(names)
 
 
 def build(folder: Path, root: Path = ROOT) -> Path:
-    """Write the extension's zip into `folder` and return its path; an older one is replaced only by a whole one."""
+    """Writes the extension's zip into `folder`; returns its path. Only a complete zip replaces an older one.
+
+    Raises PackageError as `files`.
+    """
     names = files(root)
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / file_name(read_manifest(root))
     with replacing(path) as beside, zipfile.ZipFile(beside, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name in names:
+            # Unix, rw-r--r--: equal on every system.
             entry = zipfile.ZipInfo(name, _TIMESTAMP)
             entry.compress_type, entry.create_system, entry.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16
             archive.writestr(entry, (Path(root) / name).read_bytes())

@@ -1,6 +1,6 @@
 """Makes the asset library: a .blend with the presets as materials and the models as nodes, and its catalogs.
 
-Blender reads files of its own and older versions, so the file that ships is to be made in the oldest one supported.
+Blender reads files of its own and of older versions, so make the shipped file in the oldest supported version.
 """
 import uuid
 from pathlib import Path
@@ -13,28 +13,29 @@ from ...models import MODELS
 
 CATALOGUES = "blender_assets.cats.txt"
 _NODES = "Plausible/Nodes"
-_SPACE = uuid.UUID("6d3f7c0e-52a1-4f0b-9f0c-6b1de52a4f10")  # any one: catalogs keep their ids from build to build
+_SPACE = uuid.UUID("6d3f7c0e-52a1-4f0b-9f0c-6b1de52a4f10")  # arbitrary, but fixed: catalogs keep their ids
 
 
 def build(folder: Path = LIBRARY.parent, progress=lambda done, total: None) -> Path:
-    """Write the library into `folder` and return its path; what is open in Blender is lost.
+    """Writes the library into `folder`; returns its path. The file that is open in Blender is lost.
 
-    `progress(done, total)` counts materials and nodes. Raises OSError where the folder cannot be written.
+    Calls `progress(done, total)` after each material and node. Raises OSError where the folder cannot be written.
     """
     import bpy
 
     from ...blender.material import groups, materials
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    shown = [model for model in MODELS.values() if not estimator.is_baked(model)]  # the others are baked for each use
-    total, made = len(PRESETS) + len(shown), set()
+    # Other models are baked for each use, so they have no node to share.
+    models = [model for model in MODELS.values() if not estimator.is_baked(model)]
+    total, made = len(PRESETS) + len(models), set()
     for key, preset in PRESETS.items():
         material = materials.create_material(preset.model, preset.label, **preset.parameters)
         tags = preset.group, MODELS[preset.model].label
         _mark(material, preview(key), preset.help, _catalog(preset), tags)
         made.add(material)
         progress(len(made), total)
-    for model in shown:
+    for model in models:
         tree = groups.find_node(materials.create_material(model.id)).node_tree
         _mark(tree, preview(model.id), model.description, _NODES, ("BRDF",))
         made.add(tree)
@@ -48,12 +49,13 @@ def build(folder: Path = LIBRARY.parent, progress=lambda done, total: None) -> P
 
 
 def missing_previews() -> list:
-    """Presets and models that have no thumbnail, by id."""
+    """Ids of the presets and models without a thumbnail."""
     keys = [*PRESETS, *(model.id for model in MODELS.values() if not estimator.is_baked(model))]
     return [key for key in keys if not preview(key).is_file()]
 
 
 def _catalog(preset):
+    """Path of a preset's catalog."""
     return f"Plausible/{preset.group}"
 
 
@@ -63,6 +65,7 @@ def identifier(catalog: str) -> str:
 
 
 def _mark(block, picture, description, catalog, tags):
+    """Marks a data-block as an asset with a thumbnail, a description, a catalog and tags."""
     import bpy
 
     block.asset_mark()
@@ -79,6 +82,7 @@ def _mark(block, picture, description, catalog, tags):
 
 
 def _write_catalogs(path):
+    """Writes Blender's file of catalogs."""
     names = sorted({"Plausible", _NODES, *map(_catalog, PRESETS.values())})
     lines = ["# Catalogues of the Plausible BRDF asset library.", "VERSION 1", ""]
     lines += [f"{identifier(name)}:{name}:{name.replace('/', '-')}" for name in names]

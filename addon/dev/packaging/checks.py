@@ -1,4 +1,4 @@
-"""What must hold before and after the extension is packed: tables, shaders, and Blender's own validator."""
+"""Checks before and after the extension is packed: tables, shaders, and Blender's own validator."""
 import importlib.util
 import subprocess
 import sys
@@ -10,18 +10,18 @@ from .archive import PackageError
 
 
 def check_tables():
-    """Load every albedo table. Raises tables.TableError that names the first missing, stale or damaged file.
+    """Loads every albedo table. Raises tables.TableError that names the first missing, stale or damaged file.
 
-    A table of another resolution or range is for the user who baked it, and counts as stale.
+    A table of another resolution or range counts as stale: it serves only the user who baked it.
     """
     for table in tables.TABLES.values():
         tables.load(table)
 
 
 def check_shaders():
-    """Compile every model's shader; returns how many, or the reason (str) why this Python cannot compile any.
+    """Compiles every model's shader; returns their number, or the reason (str) why this Python cannot compile any.
 
-    Raises what the compiler raises when a shader has errors.
+    Raises RuntimeError, the compiler's error, where a shader has errors.
     """
     if importlib.util.find_spec("bpy") is None:
         return "bpy is not installed"
@@ -36,20 +36,20 @@ def check_shaders():
 
 
 def validator():
-    """Blender's official extension tool, as a path; None where no bpy is installed."""
-    found = importlib.util.find_spec("bpy")
-    if found is None or not found.submodule_search_locations:
+    """Path of Blender's official extension tool; None where bpy or the tool is missing."""
+    spec = importlib.util.find_spec("bpy")
+    if spec is None or not spec.submodule_search_locations:
         return None
-    for folder in found.submodule_search_locations:
+    for folder in spec.submodule_search_locations:
         for path in sorted(Path(folder).glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py")):
             return path
     return None
 
 
 def validate(path: Path):
-    """Have the official tool judge the zip at `path`; returns whether there was one to ask.
+    """Validates the zip at `path` with the official tool; returns False where this Python has no such tool.
 
-    Raises PackageError with its words when it rejects the zip.
+    Raises PackageError with the tool's output where the tool rejects the zip.
     """
     tool = validator()
     if tool is None:

@@ -1,1 +1,1 @@
-"""Pages of the manual that are made from the registry, and whether what pages refer to is there. Never imports bpy."""
+"""Makes pages of the manual from the registry, and checks the links of all pages. Never imports bpy."""

@@ -1,7 +1,7 @@
-"""What the picture of a model's page shows: three values of one parameter, chosen by eye."""
+"""The values in the picture of a model's page: three of one parameter, chosen by eye."""
 from dataclasses import dataclass, field
 
-# Parameter that varies, its three values, and others that are not at their default.
+# The parameter that varies, its three values, and other parameters that are not at their defaults.
 _BY_MODEL = {
     "disk_orthogonal": ("radius_v", (1.0, 0.4, 0.15), {"exponent": 5.0}),
     "edwards_empirical": ("radius_v", (1.0, 0.3, 0.1), {"base_color": (0.5, 0.5, 0.5)}),
@@ -31,7 +31,7 @@ class Shown:
 
     @property
     def is_across(self) -> bool:
-        """Whether lobes are to be cut across the tangent, as that is where they change."""
+        """Whether to cut the lobes across the tangent, where this parameter changes them."""
         return self.parameter.id.endswith("_v")
 
     def settings(self) -> list:
@@ -39,12 +39,12 @@ class Shown:
         return [{**self.others, self.parameter.id: value} for value in self.values]
 
     def label(self, value) -> str:
-        """What stands below the picture of one value."""
+        """The caption of one value's ball."""
         return f"{self.parameter.label} = {value:g}"
 
 
 def shown(model) -> Shown:
-    """What is shown of a model: how it is pumped where it is, else its width, unless something else tells more."""
+    """The values in a model's picture: those of _BY_MODEL, else numbers of pumps of a pumped model, else widths."""
     if model.id in _BY_MODEL:
         name, values, others = _BY_MODEL[model.id]
         return Shown(model.parameter(name), values, others)

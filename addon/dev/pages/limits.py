@@ -1,4 +1,4 @@
-"""What README's Limits say of a model: its page quotes them, so that they are written once."""
+"""The entries of README's Limits about a model, which its page quotes."""
 
 from ...backends.osl import estimator
 from ...forms.albedo import tabulated
@@ -11,10 +11,11 @@ HEADING = "## Limits"
 
 
 def made_of_lumps(model):
+    """Whether a model is made of lumps on the halfway vector disk."""
     return isinstance(model, DiskModel) or getattr(model, "lobe", None) is DISK
 
 
-# How an entry begins, and which models it is about. All others are about every model.
+# The beginning of an entry, and the models that it is about. All other entries are about every model.
 _ABOUT = {
     "A lamp of no size": lambda model: estimator.base_family(model) is not None and not estimator.is_baked(model),
     "The fitted base ends below zero": lambda model: estimator.base_family(model) == "blinn",
@@ -34,9 +35,9 @@ def entries(text: str) -> list:
 
     Raises ValueError where there is no such list.
     """
-    _, found, rest = text.partition(f"\n{HEADING}\n")
-    section = rest.partition("\n## ")[0].strip()
-    if not found or not section.startswith("- "):
+    _, heading, after = text.partition(f"\n{HEADING}\n")
+    section = after.partition("\n## ")[0].strip()
+    if not heading or not section.startswith("- "):
         raise ValueError(f"README has no list under {HEADING!r}")
     return [" ".join(entry.split()) for entry in section.removeprefix("- ").split("\n- ")]
 
@@ -46,10 +47,10 @@ def limits_of(model, text: str | None = None) -> list:
 
     Raises ValueError that names a beginning in _ABOUT with which no entry begins, or more than one.
     """
-    found = entries(README.read_text(encoding="utf-8") if text is None else text)
+    limits = entries(README.read_text(encoding="utf-8") if text is None else text)
     chosen = []
     for beginning, is_about in _ABOUT.items():
-        matching = [entry for entry in found if entry.startswith(beginning)]
+        matching = [entry for entry in limits if entry.startswith(beginning)]
         if len(matching) != 1:
             raise ValueError(f"README's Limits have {len(matching)} entries that begin with {beginning!r}, expected 1: "
                              "say in addon/dev/pages/limits.py which models it is about")

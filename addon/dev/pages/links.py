@@ -1,4 +1,4 @@
-"""What Markdown pages refer to: links, pictures and headings, and which of them are not there."""
+"""Links, pictures and headings of Markdown pages, and the links that are broken."""
 import re
 from pathlib import Path
 from urllib.parse import unquote
@@ -13,7 +13,7 @@ _OUTSIDE = re.compile(r"[a-z][a-z0-9+.-]*:", re.IGNORECASE)
 
 
 def targets(text: str) -> list:
-    """What a Markdown `text` links to and shows, in Markdown and in HTML, but for addresses outside; code is none."""
+    """Targets of links and pictures in a Markdown `text`, in Markdown and HTML, without code and outside addresses."""
     prose = _CODE.sub("", _COMMENT.sub("", _FENCED.sub("", text)))
     found = _LINK.findall(prose) + _HTML.findall(prose)
     return [target for target in found if not _OUTSIDE.match(target)]

@@ -43,7 +43,7 @@ def pages(docs: Path = DOCS) -> list:
 
 
 def digest(docs: Path = DOCS) -> str:
-    """What tells whether a manual is of today's pages, whatever version of the converter made it."""
+    """A digest of the pages and the style: equal digests mean equal manuals, whatever the converter's version."""
     texts = [path.read_text(encoding="utf-8") for path in pages(docs)]
     return hashlib.sha256("\0".join([_STYLE, *texts]).encode()).hexdigest()
 
@@ -82,7 +82,7 @@ def write(path: Path = MANUAL) -> Path:
 
 
 def _name(page, docs):
-    """What a chapter is called in links."""
+    """A chapter's name in links."""
     if page.resolve() == (docs / _LAST).resolve():
         return "about"
     name = page.resolve().relative_to(docs.resolve()).with_suffix("").as_posix()
@@ -90,7 +90,7 @@ def _name(page, docs):
 
 
 def _chapter(page, docs):
-    """Title and HTML of a page, its links turned to the chapters'."""
+    """Title and HTML of a page, with links to chapters in place of links to pages."""
     import markdown
 
     text = page.read_text(encoding="utf-8")
@@ -110,7 +110,7 @@ def _chapter(page, docs):
 
 
 def _target(target, page, docs):
-    """Where a link of a page leads in the manual."""
+    """The manual's target for a link of a page."""
     if re.match(r"[a-z][a-z0-9+.-]*:", target):
         return target
     path, _, anchor = target.partition("#")

@@ -1,4 +1,4 @@
-"""Writing the models' pages into a folder, and telling which of them are not what would be written."""
+"""Writes the models' pages into a folder, and finds outdated pages."""
 from pathlib import Path
 
 from ...forms.files import replace_text
@@ -26,7 +26,7 @@ def write(folder: Path = MODEL_PAGES) -> list:
 
 
 def outdated(folder: Path = MODEL_PAGES) -> list:
-    """Names of pages in `folder` that are missing, not what would be written today, or of no model."""
+    """Names of pages in `folder` that are missing, differ from `texts`, or belong to no model."""
     today = texts()
     found = {path.name: path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.md"))}
     return sorted(name for name in today.keys() | found.keys() if today.get(name) != found.get(name))
