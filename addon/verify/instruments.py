@@ -78,10 +78,15 @@ def furnace(material, angles_deg, samples=256, resolution=16, seed=0, progress=_
     with room.Room(material, room.PLANE, resolution) as place:
         place.sky(1.0)
         for angle in angles:
-            place.look_from(_from_zenith(angle))
-            rows.append(_statistics(place.render(samples, seed)))
+            rows.append(albedo_in(place, angle, samples, seed))
             progress(len(rows), len(angles))
     return Measurement(*map(np.array, zip(*rows, strict=True)))
+
+
+def albedo_in(place, angle_deg: float, samples: int, seed: int = 0) -> Measurement:
+    """The albedo of a room's plane under a white sky, seen at one angle: (3,) each."""
+    place.look_from(_from_zenith(angle_deg))
+    return Measurement(*_statistics(place.render(samples, seed)))
 
 
 def goniometer(material, view_deg, lights, samples=16, resolution=16, seed=0, progress=_ignore) -> Measurement:
@@ -101,11 +106,16 @@ def goniometer(material, view_deg, lights, samples=16, resolution=16, seed=0, pr
         place.look_from(_from_zenith(angle[0]))
         sun = place.shine("SUN", lights[0], energy=room.SUN_ENERGY, angle=0.0)
         for light in lights:
-            place.aim(sun, light)
-            rows.append(_statistics(place.render(samples, seed)))
+            rows.append(value_in(place, sun, light, samples, seed))
             progress(len(rows), len(lights))
-    radiance, noise = map(np.array, zip(*rows, strict=True))
-    irradiance = room.SUN_ENERGY * lights[:, 2:]
+    return Measurement(*map(np.array, zip(*rows, strict=True)))
+
+
+def value_in(place, sun, light, samples: int, seed: int = 0) -> Measurement:
+    """f of a room's plane, for the view that it is seen from and its `sun` at the unit vector `light`: (3,) each."""
+    place.aim(sun, light)
+    radiance, noise = _statistics(place.render(samples, seed))
+    irradiance = room.SUN_ENERGY * light[2]
     return Measurement(radiance / irradiance, noise / irradiance)
 
 

@@ -1,36 +1,37 @@
 """White furnaces of a noise that decides, and what they may be off by."""
-import itertools
+from functools import partial
 
 import numpy as np
 
 from addon import brdf, create_material, verify
-from addon.verify import comparison
+from addon.verify import comparison, instruments, room
 from optics.directions import cosines
 
 SIGMAS = comparison.SIGMAS
 FURNACE_BOUND, FURNACE_NOISE = 2e-3, 7e-4  # of the albedo
 
 
-def sharpened(measure, count, wanted, most=1 << 14):
-    """A Measurement of `count` rows with as many samples, 64 to `most`, as a noise below `wanted` needs in each.
+def sharpened(measure, wanted, most=1 << 14, least=64):
+    """What `measure(samples, seed)` gives, with as many samples, `least` to `most`, as a noise below `wanted` needs.
 
-    `measure(rows, samples, seed)` measures some of them. A first look at all tells how many samples a row needs; it is
-    not kept where it was too noisy: what it happened to show must not choose.
+    A first look tells how many; it is not kept where it was too noisy: what it happened to show must not choose.
     """
-    value, noise = measure(np.arange(count), 64, 0)
-    needed = np.minimum(64 * (noise.max(axis=1) / (0.8 * wanted)) ** 2, most)
-    for low, high in itertools.pairwise((64, 256, 1024, 4096, 1 << 14)):
-        again = np.nonzero((needed > low) & (needed <= high))[0]
-        if len(again):
-            value[again], noise[again] = measure(again, int(np.ceil(min(1.2 * needed[again].max(), most))), 1)
-    return verify.Measurement(value, noise)
+    found = measure(least, 0)
+    needed = min(least * (found.noise.max() / (0.8 * wanted)) ** 2, most)
+    return found if needed <= least else measure(int(np.ceil(min(1.2 * needed, most))), 1)
+
+
+def together(measurements):
+    """One Measurement, (N, 3) each, of several."""
+    return verify.Measurement(*map(np.array, zip(*measurements, strict=True)))
 
 
 def albedo_of(material, angles_deg, wanted=FURNACE_NOISE):
     """Furnace of `material`, its noise below `wanted` where that can be."""
-    angles = np.atleast_1d(np.asarray(angles_deg, dtype=np.float64))
-    return sharpened(lambda rows, samples, seed: verify.furnace(material, angles[rows], samples=samples, seed=seed),
-                     len(angles), wanted)
+    with room.Room(material, room.PLANE, 16) as place:
+        place.sky(1.0)
+        return together(sharpened(partial(instruments.albedo_in, place, angle), wanted)
+                        for angle in np.atleast_1d(angles_deg))
 
 
 def furnace_report(model, parameters, angles, material=None):

@@ -1,43 +1,40 @@
 """Pairs of a view and a light, each measured in Cycles as one number: a sun of no size on a plane, a lens without
 perspective."""
+from functools import partial
+
 import numpy as np
 
-from addon.verify import Measurement, room
+from addon.verify import Measurement, instruments, room
 from optics.directions import toward
+from optics.furnace import sharpened, together
 
 
-def measured(material, views, lights, samples, seed=0, resolution=16) -> Measurement:
+def measured(material, views, lights, samples, seed=0) -> Measurement:
     """f (N·L) of `material` for unit vectors (N, 3) each, z being the normal and x the tangent, and its standard error.
 
     Its pixels are independent measurements of one number each: (N, 3) both.
     """
-    rows = []
-    with room.Room(material, room.PLANE, resolution) as place:
-        sun = place.shine("SUN", (0.0, 0.0, 1.0), energy=room.SUN_ENERGY, angle=0.0)
-        for view, light in zip(views, lights, strict=True):
-            place.look_from(view)
-            place.aim(sun, light)
-            pixels = place.render(samples, seed).reshape(-1, 3) / np.pi
-            rows.append((pixels.mean(axis=0), pixels.std(axis=0, ddof=1) / np.sqrt(len(pixels))))
-    return Measurement(*map(np.array, zip(*rows, strict=True)))
+    return together(each(samples, seed) for each in _each(material, views, lights))
 
 
 def until_sharp(material, views, lights, wanted, least=64, most=4096):
-    """`measured`, with as many more samples, up to `most`, as a noise below `wanted` (N,) needs.
+    """`measured`, with as many samples, `least` to `most`, as a noise below `wanted` (N,) needs, see `sharpened`."""
+    pairs = zip(_each(material, views, lights), wanted, strict=True)
+    return together(sharpened(each, enough, most, least) for each, enough in pairs)
 
-    A first look tells how many, and is not kept where it was too noisy: what it happened to show must not choose.
-    """
-    value, noise = measured(material, views, lights, least)
-    needed = np.minimum(least * (noise.max(axis=1) / (0.8 * wanted)) ** 2, most)
-    low = least
-    while low < most:
-        high = min(4 * low, most)
-        again = np.flatnonzero((needed > low) & (needed <= high))
-        if len(again):
-            samples = int(np.ceil(min(1.2 * needed[again].max(), most)))
-            value[again], noise[again] = measured(material, views[again], lights[again], samples, seed=1)
-        low = high
-    return Measurement(value, noise)
+
+def _each(material, views, lights):
+    """Functions of samples and seed that measure a pair each; each is good until the next is asked for."""
+    with room.Room(material, room.PLANE, 16) as place:
+        sun = place.shine("SUN", (0.0, 0.0, 1.0), energy=room.SUN_ENERGY, angle=0.0)
+        for view, light in zip(views, lights, strict=True):
+            place.look_from(view)
+            yield partial(_shown, place, sun, light)
+
+
+def _shown(place, sun, light, samples, seed):
+    f, noise = instruments.value_in(place, sun, light, samples, seed)
+    return Measurement(f * light[2], noise * light[2])
 
 
 def peak(model, given, view, count=4000):

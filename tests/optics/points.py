@@ -1,9 +1,13 @@
 """f (N·L) at single directions, in parts of a lobe's peak."""
+from functools import partial
+
 import numpy as np
 
 from addon import brdf, verify
-from optics.directions import rgb
-from optics.furnace import sharpened
+from addon.brdf.geometry import view_at
+from addon.verify import instruments, room
+from optics.directions import cosines, rgb
+from optics.furnace import sharpened, together
 
 POINT_BOUND, POINT_NOISE = 0.02, 0.004  # of the lobe's peak
 # What is left over at grazing views and of the widest lobes is grainy: noise of a mean over all pixels, of the peak.
@@ -20,8 +24,9 @@ def peak_of(model, parameters, view):
 
 def directions_of(material, view_deg, lights, peak, most):
     """f (N·L) in parts of `peak`, from so many samples, up to `most`, that the noise is below POINT_WANTED."""
-    def measure(rows, samples, seed):
-        f, noise = verify.goniometer(material, view_deg, lights[rows], samples=samples, seed=seed)
-        return f * lights[rows, 2:] / peak, noise * lights[rows, 2:] / peak
-
-    return sharpened(measure, len(lights), POINT_WANTED, most)
+    with room.Room(material, room.PLANE, 16) as place:
+        place.look_from(view_at(cosines([view_deg]))[0])
+        sun = place.shine("SUN", lights[0], energy=room.SUN_ENERGY, angle=0.0)
+        f, noise = together(sharpened(partial(instruments.value_in, place, sun, light), POINT_WANTED * peak / light[2],
+                                      most) for light in lights)
+    return verify.Measurement(f * lights[:, 2:] / peak, noise * lights[:, 2:] / peak)
