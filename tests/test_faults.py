@@ -517,7 +517,7 @@ addon.unregister()
 from bl_ext.user_default.plausible_brdf.addon import version
 path = version._MANIFEST
 whole = path.read_text()
-for text, word in (("version = ", "cannot be read"), ('id = "x"', "cannot be read"), ('version = "new"', "expected numbers"),
+for text, word in (("version = ", "cannot be read"), ('id = "x"', "cannot be read"), ('version = "new"', "expected"),
                    (None, "cannot be read")):
     path.write_text(text) if text is not None else path.unlink()
     try:

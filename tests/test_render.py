@@ -270,7 +270,7 @@ def test_single_samples_are_finite_and_bounded(model, exponent, extreme):
     ("pumped_phong", {"exponent": 7.0, "fresnel_type": "schlick", "base_color": 0.04}),
 ], ids=name_of)
 def test_no_lamp_makes_a_sample_negative(model, parameters):
-    """A sun of no size shows the closures' sum at one light, sample by sample: at none may negative kernels outweigh the base."""
+    """Under a sun of no size each sample is the closures' sum at one light: negative kernels never outweigh the base."""
     with scene.MeasuringScene(create_material(model, **parameters), scene.PLANE, 64) as place:
         sun = place.shine("SUN", (0.0, 0.0, 1.0), energy=scene.SUN_ENERGY, angle=0.0)
         for view_deg in (40.0, 80.0):
@@ -543,10 +543,15 @@ def test_a_socket_that_is_no_number_renders_numbers(name, value):
 
 @pytest.mark.parametrize("model", PUMPED)
 def test_without_light_spread(model):
-    """Kernels as narrow as single precision allows blur nothing: along the crease, too, the lobe is the formula's."""
+    """Kernels as narrow as single precision allows blur nothing: along the crease, too, the lobe is the formula's.
+
+    That is seen of Blinn's, which is blurred there by more than the noise otherwise.
+    """
     parameters = shape(20.0, 1.0, True)
     material = create_material(model, **parameters, light_spread=0.0, samples=8)
     assert_good(furnace_report(model, parameters, (25.0, 60.0, 80.0), material), FURNACE_NOISE)
+    if model != "pumped_blinn":
+        return
     view = view_at(cosines([60.0]))
     turn = np.radians([0.0, 20.0])  # about the normal, away from the mirror direction
     lights = np.stack([-view[0, 0] * np.cos(turn), view[0, 0] * np.sin(turn), np.full(2, view[0, 2])], axis=-1)

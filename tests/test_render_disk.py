@@ -58,8 +58,11 @@ def test_furnace(model, given):
     """Light that lumps lose where they leave the disk is lost, and none else: the paper's invisible sphere."""
     material = create_material(model, **given)
     evaluated = {k: v for k, v in given.items() if k != "samples"}
-    measured, noise = albedo_of(material, ANGLES)
-    assert_good(measure.compare(measured, reference_of(model, ANGLES, evaluated), noise, FURNACE_BOUND), FURNACE_NOISE)
+    # Neighbors share the angles between them, and so do small lumps and thin ones.
+    number = FURNACE.index((model, given))
+    angles = (ANGLES[0::2], ANGLES[1::2])[(number + number // 2) % 2]
+    measured, noise = albedo_of(material, angles)
+    assert_good(measure.compare(measured, reference_of(model, angles, evaluated), noise, FURNACE_BOUND), FURNACE_NOISE)
     if model == "disk_scaling":
         assert np.abs(measured - 1.0).max() <= FURNACE_BOUND + SIGMAS * noise.max()
 
@@ -85,8 +88,14 @@ def sphere_of(model, given, suns):
     resolution = 24 if n <= 5.0 else 40 if n <= 50.0 else 100
     if given.get("radius_u", 1.0) < 0.5:
         resolution = 100
+    enough = TOTAL_NOISE if has_total(model, given) else np.inf
     return Sun(create_material(model, **given), lambda view, light: brdf.MODELS[model].evaluate(view, light, **given),
-               suns, resolution)
+               suns, resolution, enough)
+
+
+def has_total(model, given):
+    """Whether the light in total is told apart from the formula's: of what is not grainy."""
+    return given["exponent"] >= 50.0 and model != "reciprocal_disk"
 
 
 @pytest.mark.versions_by_shader
@@ -96,7 +105,7 @@ def test_sphere_under_a_sun(model, given, suns):
     reciprocal = model == "reciprocal_disk"
     bound = RECIPROCAL_BOUND if reciprocal else STEEP_BOUND.get(given["exponent"], SUN_BOUND)
     assert report.l1().max() <= bound, report
-    if given["exponent"] >= 50.0 and not reciprocal:
+    if has_total(model, given):
         # Blender stores a mesh's normals in 16 bits, which moves a sharp highlight by a few thousandths of its light.
         total = TOTAL_BOUND if given["exponent"] < 500.0 else 2.0 * TOTAL_BOUND
         assert (np.abs(report.total()) <= total + SIGMAS * report.noise()).all(), report

@@ -84,10 +84,15 @@ def furnace(material, angles_deg, samples=256, resolution=16, seed=0, progress=_
     with scene.MeasuringScene(material, scene.PLANE, resolution) as stage:
         stage.sky(1.0)
         for angle in angles:
-            stage.look_from(_from_zenith(angle))
-            rows.append(_statistics(stage.render(samples, seed)))
+            rows.append(albedo_in(stage, angle, samples, seed))
             progress(len(rows), len(angles))
     return Measurement(*map(np.array, zip(*rows, strict=True)))
+
+
+def albedo_in(stage, angle_deg: float, samples: int, seed: int = 0) -> Measurement:
+    """Albedo of the plane of the measuring scene `stage` under a white sky, at one view angle: (3,) each."""
+    stage.look_from(_from_zenith(angle_deg))
+    return Measurement(*_statistics(stage.render(samples, seed)))
 
 
 def goniometer(material, view_deg, lights, samples=16, resolution=16, seed=0, progress=_ignore) -> Measurement:
@@ -107,12 +112,17 @@ def goniometer(material, view_deg, lights, samples=16, resolution=16, seed=0, pr
         stage.look_from(_from_zenith(angle[0]))
         sun = stage.shine("SUN", lights[0], energy=scene.SUN_ENERGY, angle=0.0)
         for light in lights:
-            stage.aim(sun, light)
-            rows.append(_statistics(stage.render(samples, seed)))
+            rows.append(value_in(stage, sun, light, samples, seed))
             progress(len(rows), len(lights))
+    return Measurement(*map(np.array, zip(*rows, strict=True)))
+
+
+def value_in(stage, sun, light, samples: int, seed: int = 0) -> Measurement:
+    """f in 1/sr of the measuring scene's plane, for the scene's view and its `sun` at the unit `light`: (3,) each."""
+    stage.aim(sun, light)
     # A plane under a sun shows radiance f times the irradiance on the plane.
-    radiance, noise = map(np.array, zip(*rows, strict=True))
-    irradiance = scene.SUN_ENERGY * lights[:, 2:]
+    radiance, noise = _statistics(stage.render(samples, seed))
+    irradiance = scene.SUN_ENERGY * light[2]
     return Measurement(radiance / irradiance, noise / irradiance)
 
 

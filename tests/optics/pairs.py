@@ -1,43 +1,39 @@
 """Measures f (N·L) in Cycles for pairs of a view and a light: a sun of no size on a plane, an orthographic camera."""
+from functools import partial
+
 import numpy as np
 
-from addon.measure import Measurement, scene
+from addon.measure import Measurement, instruments, scene
 from optics.directions import toward
+from optics.furnace import sharpened, together
 
 
-def measured(material, views, lights, samples, seed=0, resolution=16) -> Measurement:
-    """f (N·L) of `material` and its standard error, (N, 3) each, for unit `views` and `lights` (N, 3).
+def measured(material, views, lights, samples, seed=0) -> Measurement:
+    """f (N·L) of `material` for unit vectors (N, 3) each, z being the normal and x the tangent, and its standard error.
 
     z is the normal, x the tangent. The pixels of a render are independent measurements of one number.
     """
-    rows = []
-    with scene.MeasuringScene(material, scene.PLANE, resolution) as stage:
-        sun = stage.shine("SUN", (0.0, 0.0, 1.0), energy=scene.SUN_ENERGY, angle=0.0)
-        for view, light in zip(views, lights, strict=True):
-            stage.look_from(view)
-            stage.aim(sun, light)
-            pixels = stage.render(samples, seed).reshape(-1, 3) / np.pi
-            rows.append((pixels.mean(axis=0), pixels.std(axis=0, ddof=1) / np.sqrt(len(pixels))))
-    return Measurement(*map(np.array, zip(*rows, strict=True)))
+    return together(measure_pair(samples, seed) for measure_pair in _pairs(material, views, lights))
 
 
 def until_sharp(material, views, lights, wanted, least=64, most=4096):
-    """`measured` with the samples, `least` to `most`, that bring the noise below `wanted` (N,).
+    """`measured` with the samples, `least` to `most`, for a noise below `wanted` (N,), see `sharpened`."""
+    pairs = zip(_pairs(material, views, lights), wanted, strict=True)
+    return together(sharpened(measure_pair, enough, most, least) for measure_pair, enough in pairs)
 
-    A first measurement estimates the samples. Pairs that were too noisy are measured again with another seed, and the
-    first value is dropped: otherwise the selection would bias the result.
-    """
-    value, noise = measured(material, views, lights, least)
-    needed = np.minimum(least * (noise.max(axis=1) / (0.8 * wanted)) ** 2, most)
-    low = least
-    while low < most:
-        high = min(4 * low, most)
-        again = np.flatnonzero((needed > low) & (needed <= high))
-        if len(again):
-            samples = int(np.ceil(min(1.2 * needed[again].max(), most)))
-            value[again], noise[again] = measured(material, views[again], lights[again], samples, seed=1)
-        low = high
-    return Measurement(value, noise)
+
+def _pairs(material, views, lights):
+    """Functions of samples and seed, one for each pair. Each measures its pair until the next is asked for."""
+    with scene.MeasuringScene(material, scene.PLANE, 16) as stage:
+        sun = stage.shine("SUN", (0.0, 0.0, 1.0), energy=scene.SUN_ENERGY, angle=0.0)
+        for view, light in zip(views, lights, strict=True):
+            stage.look_from(view)
+            yield partial(_measured, stage, sun, light)
+
+
+def _measured(stage, sun, light, samples, seed):
+    f, noise = instruments.value_in(stage, sun, light, samples, seed)
+    return Measurement(f * light[2], noise * light[2])
 
 
 def peak(model, given, view, count=4000):

@@ -1,9 +1,13 @@
 """f (N·L) at single directions, in parts of a lobe's peak."""
+from functools import partial
+
 import numpy as np
 
 from addon import brdf, measure
-from optics.directions import rgb
-from optics.furnace import sharpened
+from addon.measure import instruments, scene
+from addon.models.geometry import view_at
+from optics.directions import cosines, rgb
+from optics.furnace import sharpened, together
 
 POINT_BOUND, POINT_NOISE = 0.02, 0.004  # of the lobe's peak
 # The residual is grainy at grazing views and for the widest lobes: noise of a mean over all pixels, of the peak.
@@ -19,9 +23,10 @@ def peak_of(model, parameters, view):
 
 
 def directions_of(material, view_deg, lights, peak, most):
-    """f (N·L) in parts of `peak`, with the samples, up to `most`, that bring the noise below POINT_WANTED."""
-    def measure_rows(rows, samples, seed):
-        f, noise = measure.goniometer(material, view_deg, lights[rows], samples=samples, seed=seed)
-        return f * lights[rows, 2:] / peak, noise * lights[rows, 2:] / peak
-
-    return sharpened(measure_rows, len(lights), POINT_WANTED, most)
+    """f (N·L) in parts of `peak`, from so many samples, up to `most`, that the noise is below POINT_WANTED."""
+    with scene.MeasuringScene(material, scene.PLANE, 16) as stage:
+        stage.look_from(view_at(cosines([view_deg]))[0])
+        sun = stage.shine("SUN", lights[0], energy=scene.SUN_ENERGY, angle=0.0)
+        f, noise = together(sharpened(partial(instruments.value_in, stage, sun, light), POINT_WANTED * peak / light[2],
+                                      most) for light in lights)
+    return measure.Measurement(f * lights[:, 2:] / peak, noise * lights[:, 2:] / peak)

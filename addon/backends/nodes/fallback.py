@@ -57,7 +57,7 @@ def _parts(model, text, _):
 
 
 def _over_diffuse(color, roughness, diffuse_color):
-    """Two parts: a lobe, weighted with Schlick's factor of its brightest channel, and a diffuse body with 1 minus it."""
+    """Two parts: a lobe, whose share is Schlick's factor of its brightest channel, and a diffuse body with the rest."""
     brightest = float(color.max())
 
     def factor(mu):

@@ -1,10 +1,13 @@
-"""The inputs of Blender's Principled BSDF that come nearest to a model: for EEVEE, the viewport, and GPUs.
+"""The inputs of Blender's Principled BSDF that are nearest to a model: for EEVEE, the viewport, and GPUs.
 
-Least is the sum of two errors, each in parts of the model's own light, channels added up, and a mean over views at 0,
-30 and 60 degrees, of a model that knows a tangent along and across it. That of the lobe is ∫ |f - f_P| N·L dω over
-∫ f N·L dω, between 0 and 2: what a picture under a sun is off by. That of the albedo is |a - a_P| / a: what one under a
-white sky is off by. Base colours make the albedo right at 0 and at 60 degrees; how rough, how metallic and of which
-index is searched for. A mirror spike is light that a lobe misses, and a perfect mirror has.
+The fit minimizes the sum of two errors. Both are in parts of the model's own light, with the channels added up, and
+means over views at 0, 30 and 60 degrees; a model with a tangent is viewed along and across it.
+
+- The error of the lobe is ∫ |f - f_P| N·L dω over ∫ f N·L dω, 0..2: the error of a picture under a sun.
+- The error of the albedo is |a - a_P| / a: the error of a picture under a white sky.
+
+Base colors make the albedo right at 0 and at 60 degrees. A search finds roughness, metallic and IOR. A lobe misses the
+light of a mirror spike; a perfect mirror has it.
 """
 from dataclasses import dataclass
 
@@ -18,20 +21,20 @@ from . import principled_bsdf as bsdf
 from .appearance import appearance
 
 VIEWS = (0.0, 30.0, 60.0)  # degrees
-# By model: the roughness fitted over roughness_of_exponent of the model's `appearance`, for nodes, which can
-# do no more than multiply by it. Between exponents of 10 and 3000 it is right to 12 %, in most models to 5 %. Found by
+# {model: fitted roughness over roughness_of_exponent of the model's `appearance`}, for nodes, which can only multiply.
+# Between exponents of 10 and 3000 its error is at most 12 %, for most models 5 %. The fit is
 # `plausible match --native --from MODEL --set exponent=N`.
 ROUGHNESS_FACTORS = {
     "phong": 0.945, "pumped_phong": 0.965, "phong_limit": 0.965, "blinn": 0.88, "pumped_blinn": 0.905,
     "disk_scaling": 0.69, "disk_orthogonal": 0.705, "edwards_empirical": 0.54, "edwards_fit": 0.77,
     "reciprocal_disk": 0.665,
 }
-_POLAR, _AZIMUTHAL = 4, 14  # nodes of the lights
-_NARROWEST, _WIDEST = 0.002, 0.8  # slopes that nodes are made for
-_LEAST_BODY = 1e-3  # of all light: less is a metal
-_HIGHEST = 0.35  # reflectance of a dielectric at normal incidence, IOR 3.9; what reflects more is in part a metal
-_COLORS = np.linspace(0.0, 1.0, 65)
-_STEPS = np.geomspace(0.25, 3.0, 8)  # of the width that the model states, where searches start
+_POLAR, _AZIMUTHAL = 4, 14  # quadrature nodes of the lights
+_NARROWEST, _WIDEST = 0.002, 0.8  # least and largest slopes that the nodes resolve
+_LEAST_BODY = 1e-3  # share of the light: a model with a smaller diffuse part is a metal
+_HIGHEST = 0.35  # reflectance of a dielectric at normal incidence, IOR 3.9; a higher one is in part a metal
+_COLORS = np.linspace(0.0, 1.0, 65)  # base colors that are tried
+_STEPS = np.geomspace(0.25, 3.0, 8)  # widths where searches start, in parts of the model's own width
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 
@@ -44,18 +47,18 @@ class Principled(bsdf.Inputs):
 
 
 def fit(model, parameters: dict) -> Principled:
-    """Principled's inputs for a model with `parameters`, by id. Raises ValueError for what the model refuses."""
+    """Principled's inputs for a model with `parameters` {id: value}. Raises ValueError for values that it refuses."""
     target = _Target(model, model.resolve(parameters))
-    if not target.total.min() > 1e-9:  # it is black
+    if not target.total.min() > 1e-9:  # a black model
         return Principled((0.0, 0.0, 0.0), 0.0, 1.0, ior=1.0)
     kinds = (_Body, _Mixed) if target.body.sum() > _LEAST_BODY * target.total.sum() else (_Metal,)
     return min((_Search(kind(target)) for kind in kinds), key=lambda search: search.error).refined()
 
 
 def errors(model, parameters: dict, parts) -> tuple:
-    """What Principled nodes err by that stand for a model with `parameters`: (of the lobe, of the albedo), in %.
+    """Errors (lobe, albedo) in % of Principled nodes that stand for a model with `parameters` {id: value}.
 
-    `parts` are [(share, inputs)], share a function of N·V (N,). Raises ValueError for what the model refuses.
+    `parts` are [(share, inputs)], see `fallback.parts`. Raises ValueError for values that the model refuses.
     """
     target = _Target(model, model.resolve(parameters))
     energy, albedo = np.zeros_like(target.energy), np.zeros_like(target.albedo)
@@ -68,13 +71,14 @@ def errors(model, parameters: dict, parts) -> tuple:
     return tuple(float(100.0 * (part / target.total).mean()) for part in (missed, sky))
 
 
-# What is fitted.
+# The target of the fit.
 
 class _Target:
     """A model with resolved `values`, seen from several views.
 
-    Rows are lights: `view`, `light`, `energy` = f N·L dω (rows, 3), `weight` = N·L dω, `seen` the number of the view.
-    `albedo`, `body` its diffuse part and `spike` its perfect mirror: (views, 3). `total` is the albedo, channels added.
+    These have a row for each light: `view` and `light` (rows, 3), `energy` = f N·L dω (rows, 3), `weight` = N·L dω
+    (rows,), and `seen` (rows,), the index of the view. These have a row for each view, (views, 3): `albedo`, its
+    diffuse part `body`, and its perfect mirror `spike`. `total` (views,) is the albedo, channels added up.
     """
 
     def __init__(self, model, values):
@@ -82,7 +86,7 @@ class _Target:
         self.ratio = min(along, across) / max(along, across)
         self.turn = 0.25 if across > along else 0.0
         turned = bool(model.axes) and "rotation" in values
-        # A turned lobe is fitted unturned, and turned thereafter.
+        # A turned lobe is fitted without its turn, which is added to the result.
         self.rotation = ((values["rotation"] if turned else 0.0) + self.turn) % 1.0
         values = {**values, "rotation": 0.0} if turned else values
         self.width = _narrowest(model, values, self.ratio)
@@ -93,16 +97,18 @@ class _Target:
         if self.ratio < 1.0:
             views = np.concatenate([views, views[1:, [1, 0, 2]]])
         self.mu = views[:, 2]
-        parts = [self._lights(model, view, values) for view in views]
-        self.seen = np.repeat(np.arange(len(views)), [len(light) for light, _ in parts])
-        self.light, self.weight = (np.concatenate(column) for column in zip(*parts, strict=True))
+        # Lights of all views in one array.
+        lights = [self._lights(model, view, values) for view in views]
+        self.seen = np.repeat(np.arange(len(views)), [len(light) for light, _ in lights])
+        self.light, self.weight = (np.concatenate(column) for column in zip(*lights, strict=True))
         self.view = views[self.seen]
         self.view_dot_half = dot(self.view, half(self.view, self.light))
+        # The energy, and the albedos of surface, body and spike.
         surface = self.energy = self._energy(model, values)
         self.body = np.zeros((len(views), 3))
         if any(values.get("diffuse_color", ())):
             surface = self._energy(model, {**values, "diffuse_color": (0.0, 0.0, 0.0)})
-            # What nodes made for a lobe get wrong of Lambert's light, they get wrong of this.
+            # Nodes made for a lobe have an error for Lambert's light. The body has the same, so their ratio is exact.
             self.body = self.by_view(self.energy - surface) / self.by_view(self.weight / np.pi)[:, None]
         spiky = getattr(model, "spike", None) is not None
         self.spike = model.spike(self.mu, values) if spiky else np.zeros_like(self.body)
@@ -117,7 +123,7 @@ class _Target:
         light, weight = quadrature.hemisphere_nodes(view, self.width, one_sided, _POLAR, _AZIMUTHAL)
         if not values.get("retro") or view[2] == 1.0:
             return light, weight
-        # What is reflected back has nodes that are the image of those about the mirror direction.
+        # A retroreflective lobe has mirror images of the nodes about the mirror direction.
         chosen = light[:, 0] < 0.0
         return (np.concatenate([light[chosen], light[chosen] * [-1.0, 1.0, 1.0]]),
                 np.concatenate([weight[chosen], weight[chosen]]))
@@ -136,7 +142,7 @@ class _Target:
 
 
 def _narrowest(model, values, ratio):
-    """About the root mean square slope of the half vectors of the narrowest lobe, across what stretches it."""
+    """About the root mean square slope of the narrowest lobe's half vectors, along its short axis."""
     if not hasattr(model, "lumps"):
         width = np.sqrt(2.0 / max(appearance(model, values)[1], 1e-9))
     else:
@@ -147,7 +153,8 @@ def _narrowest(model, values, ratio):
 
 
 def _stretched_lights(view, along, across, turn):
-    """Lights (N, 3) and N·L dω (N,) whose half vectors crowd in an ellipse of these slopes."""
+    """Lights (N, 3) and N·L dω (N,) for a `view` (3,). Their half vectors are dense in an ellipse of these slopes."""
+    # Polar nodes of the ellipse, in units of its axes.
     ends = np.append([0.0], np.geomspace(0.4, max(40.0 / along, 10.0), 11))
     x, w = np.polynomial.legendre.leggauss(3)
     r = (0.5 * (ends[1:] + ends[:-1]) + 0.5 * np.diff(ends) * x[:, None]).ravel()
@@ -156,11 +163,12 @@ def _stretched_lights(view, along, across, turn):
     phi = 2.0 * np.pi * (np.arange(count) + 0.5) / count
     if turn:
         along, across = across, along
+    # Slopes to half vectors, and these to lights.
     slopes = np.stack([along * np.outer(r, np.cos(phi)), across * np.outer(r, np.sin(phi))], axis=-1).reshape(-1, 2)
     z = 1.0 / np.sqrt(1.0 + dot(slopes, slopes))
     h = np.concatenate([slopes, np.ones((len(slopes), 1))], axis=1) * z[:, None]
     light = reflect(view[None], h)
-    # Of slopes dω_H = (N·H)³, and dω_L = 4 (V·H) dω_H.
+    # dω_H is (N·H)³ times the area of slopes, and dω_L = 4 (V·H) dω_H.
     area = np.repeat(r * dr, count) * along * across * 2.0 * np.pi / count
     weight = area * z**3 * 4.0 * (h @ view) * light[:, 2]
     lit = (light[:, 2] > 1e-6) & (h @ view > 0.0)
@@ -168,7 +176,7 @@ def _stretched_lights(view, along, across, turn):
 
 
 def _stretch(model, values):
-    """Widths of a model's lobe along and across the tangent, in proportion."""
+    """Widths (along, across) the tangent of a model's lobe, up to a common factor."""
     if getattr(model, "stretched", None) is not None:
         return model.stretched(values)
     if getattr(model, "lumps", ()):
@@ -176,12 +184,13 @@ def _stretch(model, values):
     return 1.0, 1.0
 
 
-# What it is fitted with: each kind gives inputs for a roughness and one further number.
+# The kinds of fits: each gives inputs for a roughness and one further number.
 
 class _Metal:
-    """A metal, which has no further number, and what the kinds with a body share with it."""
+    """A metal, which has no further number; the base of the kinds with a body."""
 
-    start, reach = 1.0, None  # of the further number, and by how much it is tried lower and higher
+    # Start of the search for the further number, and the search's half width.
+    start, reach = 1.0, None
 
     def __init__(self, target):
         self.target = target
@@ -193,11 +202,13 @@ class _Metal:
         seen, white = bsdf.Seen(target.mu, roughness), target.lobe(roughness, anisotropic)
         metallic, ior = self._mix(further)
         surface = seen.dielectric_albedo(ior)[:, None] if metallic < 1.0 else 0.0
+        # The albedo of a stretched lobe, from its own energies.
         of = anisotropic and tuple(map(target.by_view, (white, white * (1.0 - target.view_dot_half) ** 5)))
 
         def albedo(color):
             return metallic * seen.metal_albedo(color, of) + (1.0 - metallic) * (surface + (1.0 - surface) * color)
 
+        # The color from the albedo; with it the lobe, metal first.
         color = _color(albedo, target.albedo)
         energy = np.zeros_like(target.energy)
         if metallic > 0.0:
@@ -213,13 +224,13 @@ class _Metal:
                           target.rotation if anisotropic else 0.0, 100.0 * lobe, 100.0 * sky)
 
     def _mix(self, further):
-        """(metallic, IOR)."""
+        """(metallic, IOR) for the further number."""
         return 1.0, 1.5
 
     def _errors(self, energy, albedo, roughness):
         target = self.target
         missed = target.by_view(np.abs(energy - target.energy)).sum(axis=1) + target.spike.sum(axis=1)
-        if roughness <= bsdf.SMOOTHEST:  # a mirror: it has the spike and misses the lobe
+        if roughness <= bsdf.SMOOTHEST:  # a perfect mirror, which has the spike and misses the lobe
             missed = np.abs(albedo - target.spike).sum(axis=1) + (target.albedo - target.spike).sum(axis=1)
         sky = np.abs(albedo - target.albedo).sum(axis=1)
         return float((missed / target.total).mean()), float((sky / target.total).mean())
@@ -239,7 +250,7 @@ class _Body(_Metal):
 
 
 class _Mixed(_Metal):
-    """A metal and a dielectric of index 1.5 of one colour; the further number is the metal's share."""
+    """A metal and a dielectric of index 1.5 of one color; the further number is the metal's share."""
 
     reach = 0.25
 
@@ -252,14 +263,14 @@ class _Mixed(_Metal):
         return float(np.clip(further, 0.0, 1.0)), 1.5
 
 
-def _color(albedo, wanted):
-    """The colours (3,) for which `albedo(colours)`, (views, colours), is nearest to `wanted` (views, 3).
+def _color(albedo, target):
+    """The colors (3,) for which `albedo(colors)`, (views, colors), is nearest to the `target` (views, 3).
 
-    Nearest in logarithms, at the first view and the third, 0 and 60 degrees.
+    Logarithms are compared, at the first view and the third, 0 and 60 degrees.
     """
     tried = albedo(_COLORS)[[0, 2], :, None]
-    wanted = wanted[[0, 2], None, :]
-    miss = (np.log(np.maximum(tried, 1e-3) / np.maximum(wanted, 1e-3)) ** 2).sum(axis=0)  # (colours, 3)
+    target = target[[0, 2], None, :]
+    miss = (np.log(np.maximum(tried, 1e-3) / np.maximum(target, 1e-3)) ** 2).sum(axis=0)  # (colors, 3)
     best = np.clip(miss.argmin(axis=0), 1, len(_COLORS) - 2)
     low, middle, high = (np.take_along_axis(miss, (best + step)[None], axis=0)[0] for step in (-1, 0, 1))
     # The lowest point of the parabola through three neighbours.
@@ -270,21 +281,21 @@ def _color(albedo, wanted):
 # The search.
 
 class _Search:
-    """One kind's best inputs: `error` at the best of a few roughnesses, and `refined` from there."""
+    """The search for one kind's best inputs: `error` is that of the best of a few roughnesses, `refined` goes on."""
 
     def __init__(self, kind):
         target, self.kind = kind.target, kind
         along = target.width / target.ratio
-        stated = np.sqrt(along * np.sqrt(max(target.ratio, bsdf.MOST_STRETCHED)) * _STEPS)  # roughness² is a width
-        self.tried = np.unique(np.clip(stated, bsdf.SMOOTHEST, 1.0))
+        starts = np.sqrt(along * np.sqrt(max(target.ratio, bsdf.MOST_STRETCHED)) * _STEPS)  # roughness² is a width
+        self.tried = np.unique(np.clip(starts, bsdf.SMOOTHEST, 1.0))
         if target.spike.any():
             self.tried = np.unique(np.append(self.tried, bsdf.SMOOTHEST))
         errors = [self._error(r, kind.start) for r in self.tried]
         self.best, self.error = int(np.argmin(errors)), min(errors)
 
     def _error(self, roughness, further):
-        found = self.kind.at(roughness, further)
-        return found.lobe_error + found.albedo_error
+        inputs = self.kind.at(roughness, further)
+        return inputs.lobe_error + inputs.albedo_error
 
     def refined(self) -> Principled:
         """The best inputs: the roughness is refined, then the further number, then the roughness again."""
@@ -298,7 +309,10 @@ class _Search:
 
 
 def _lowest(error, low, high, steps, known=(0.0, np.inf)):
-    """Where `error` is lowest between two numbers, by the golden section; or the `known` (number, error) if lower."""
+    """The number between `low` and `high` of the lowest `error`, by `steps` of the golden section.
+
+    It is that of `known`, (number, error), if its error is lower.
+    """
     inner = [high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)]
     values = [error(x) for x in inner]
     for _ in range(steps):

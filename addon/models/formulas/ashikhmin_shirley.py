@@ -11,7 +11,7 @@ ASHIKHMIN = "Ashikhmin, Shirley, An anisotropic Phong BRDF model, Journal of Gra
 
 
 def lobe(view, light, p):
-    """Eq. 4 without F."""
+    """The specular part without F (eq. 4), (N,)."""
     nu, nv = p["exponent_u"], p["exponent_v"]
     h = half(view, light)
     scale = np.sqrt((nu + 1.0) * (nv + 1.0)) / (8.0 * np.pi)
@@ -19,20 +19,24 @@ def lobe(view, light, p):
 
 
 def diffuse(view, light, p):
-    """Eq. 5 without R_d: light that was not reflected at the surface, in and out."""
+    """The diffuse part without R_d (eq. 5), (N, 3): the light that the surface transmits inward and outward."""
     both = (1.0 - (1.0 - 0.5 * view[:, 2]) ** 5) * (1.0 - (1.0 - 0.5 * light[:, 2]) ** 5)
     return 28.0 / (23.0 * np.pi) * both[:, None] * (1.0 - np.asarray(p["base_color"]))
 
 
 def stretch(p):
+    """The lobe's widths along and across the tangent, the larger 1."""
     least = min(p["exponent_u"], p["exponent_v"]) + 1.0
     return np.sqrt(least / (p["exponent_u"] + 1.0)), np.sqrt(least / (p["exponent_v"] + 1.0))
 
 
 def make_sampler(p):
+    """Half vectors of the specular part, mixed with Lambert's directions if there is a diffuse part."""
     glossy = HalfPower(p["exponent_u"], p["exponent_v"])
-    rest = np.mean(p["diffuse_color"]) * (1.0 - np.mean(p["base_color"]))
-    return Mixture(((max(np.mean(p["base_color"]), 0.05), glossy), (rest, Cosine()))) if rest else glossy
+    diffuse_share = np.mean(p["diffuse_color"]) * (1.0 - np.mean(p["base_color"]))
+    if not diffuse_share:
+        return glossy
+    return Mixture(((max(np.mean(p["base_color"]), 0.05), glossy), (diffuse_share, Cosine())))
 
 
 register(FormulaModel(

@@ -1,4 +1,4 @@
-"""Microfacets in V-shaped grooves: Cook and Torrance's, and one with a power of the cosine."""
+"""Microfacets in V-shaped grooves: Cook and Torrance's model, and one with a power of the cosine."""
 import numpy as np
 
 from ..formula_model import FormulaModel, factor, lambert
@@ -14,7 +14,7 @@ RTR = "Akenine-Möller, Haines, Hoffman, Real-Time Rendering, 3rd ed., 2008"
 
 
 def cook_torrance(view, light, p):
-    """D G / (4 (N·L)(N·V)), with D normalised as microfacets are (Neumann et al. eq. 9, 10), (N,)."""
+    """D G / (4 (N·L)(N·V)), (N,), with the microfacet normalization of D (Neumann et al. eq. 9, 10)."""
     d = beckmann(half(view, light), p["roughness"])
     return d * v_cavities(view, light) / (4.0 * view[:, 2] * light[:, 2])
 
@@ -27,6 +27,7 @@ def cosine_power(view, light, p):
 
 
 def with_cosine(glossy, p):
+    """The sampler `glossy`, mixed with Lambert's directions if there is a diffuse part."""
     diffuse = np.mean(p["diffuse_color"])
     return Mixture(((1.0, glossy), (diffuse, Cosine()))) if diffuse else glossy
 

@@ -1,4 +1,4 @@
-"""Lumps on the halfway vector disk, the two BRDFs that the paper makes of them, and a reciprocal one."""
+"""Lumps on the halfway vector disk by two projections, the paper's two BRDFs of several lumps, and a reciprocal one."""
 from ..disk import ORTHOGONAL, SCALING
 from ..disk_model import DiskModel, LumpRule
 from ..lobe_model import LobeModel

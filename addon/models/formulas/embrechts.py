@@ -1,4 +1,4 @@
-"""Embrechts' model of lighting engineering."""
+"""Embrechts' model from lighting engineering."""
 from ..formula_model import FormulaModel, factor, lambert
 from ..geometry import half
 from ..microfacet import beckmann, smith_beckmann
@@ -14,8 +14,8 @@ EMBRECHTS = "Embrechts, Etude et modélisation de la réflexion lumineuse, thesi
 def lobe(view, light, p):
     """a_sc C exp(-s² tan²β) / (cosθ_L cosθ_V cos⁴β), (N,).
 
-    The attenuation C is taken as s²/(4 pi) times Smith's masking of Gaussian slopes in both directions, which depends
-    on the material's s, as the source says that it does without giving its form.
+    The source states that the attenuation C depends on the material's s, but not how. Here C is s²/(4 pi) times Smith's
+    masking of Gaussian slopes in both directions.
     """
     m = 1.0 / p["smoothness"]
     masking = smith_beckmann(view[:, 2], m) * smith_beckmann(light[:, 2], m)

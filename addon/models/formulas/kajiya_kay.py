@@ -1,4 +1,4 @@
-"""Kajiya and Kay's strands, with the surface's own shadow."""
+"""Kajiya and Kay's strands on a surface, which is dark below its horizon."""
 import numpy as np
 
 from ..formula_model import FormulaModel, constant
@@ -11,12 +11,15 @@ KAJIYA = "Kajiya, Kay, Rendering fur with three dimensional textures, SIGGRAPH 1
 
 
 def _sines(view, light):
-    """Sines of the angles of V and L to the strand, x; (N,) each."""
+    """Sines of the angles between the strand, x, and V and L; (N,) each."""
     return np.sqrt(np.maximum(1.0 - view[:, 0] ** 2, 0.0)), np.sqrt(np.maximum(1.0 - light[:, 0] ** 2, 0.0))
 
 
 def lobe(view, light, p):
-    """cos^m α_r of eq. 7.50, (m+2)/(2 pi) of it where normalised, lit by the strand's cosine and not the surface's."""
+    """cos^m α_r (Real-Time Rendering, eq. 7.50), times (m+2)/(2 pi) if `normalized`, (N,).
+
+    The factor sine_l / N·L replaces the surface's cosine by the strand's.
+    """
     sine_v, sine_l = _sines(view, light)
     cosine = np.maximum(sine_v * sine_l - view[:, 0] * light[:, 0], 0.0)
     m = p["exponent"]
@@ -25,6 +28,7 @@ def lobe(view, light, p):
 
 
 def diffuse(view, light, p):
+    """Lambert's factor, (N,), with the strand's cosine in place of the surface's."""
     return _sines(view, light)[1] / (np.pi * light[:, 2])
 
 

@@ -1,4 +1,4 @@
-"""Lafortune's generalised cosine lobes."""
+"""Lafortune's generalized cosine lobes."""
 import numpy as np
 
 from ..formula_model import FormulaModel, constant, lambert
@@ -7,7 +7,9 @@ from ..parameters import COSINE_LOBES, DIFFUSE, ESTIMATOR, SPECULAR
 from ..registry import register
 from ..samplers import AxisPower, Cosine, Mixture
 
-LARGEST = 1e30  # of a power: its base may be 1.44, and what passes this is no reflectance, but still a number
+# The largest power. Bases may be up to 1.44, so powers may overflow. A value of this size is no reflectance, but is
+# finite.
+LARGEST = 1e30
 
 LAFORTUNE = ("Lafortune, Foo, Torrance, Greenberg, Non-linear approximation of reflectance functions, SIGGRAPH 1997, "
              "eq. 8")
@@ -20,21 +22,23 @@ def lobe(view, light, p):
     total = np.zeros(len(view))
     for i in (1, 2, 3):
         n, scale = p[f"exponent_{i}"], p[f"weight_{i}"]
-        generalised = np.maximum(p[f"cxy_{i}"] * across + p[f"cz_{i}"] * up, 0.0)
+        cosine = np.maximum(p[f"cxy_{i}"] * across + p[f"cz_{i}"] * up, 0.0)
         with np.errstate(over="ignore"):
-            total += scale * (n + 2.0) / (2.0 * np.pi) * np.minimum(generalised**n, LARGEST)
+            total += scale * (n + 2.0) / (2.0 * np.pi) * np.minimum(cosine**n, LARGEST)
     return total
 
 
 def make_sampler(p):
+    """Powers about each lobe's stretched mirror direction, mixed with Lambert's directions."""
     def axis(i):
         return lambda view: normalize(view * [p[f"cxy_{i}"], p[f"cxy_{i}"], p[f"cz_{i}"]])
 
-    parts = [(p[f"weight_{i}"], AxisPower(axis(i), p[f"exponent_{i}"])) for i in (1, 2, 3)]
-    return Mixture((*parts, (np.mean(p["diffuse_color"]) + 0.01, Cosine())))
+    lobes = [(p[f"weight_{i}"], AxisPower(axis(i), p[f"exponent_{i}"])) for i in (1, 2, 3)]
+    return Mixture((*lobes, (np.mean(p["diffuse_color"]) + 0.01, Cosine())))
 
 
 def width(p):
+    """The slope of the narrowest lobe that has a weight."""
     return np.sqrt(0.5 / max([p[f"exponent_{i}"] for i in (1, 2, 3) if p[f"weight_{i}"] > 0.0] or [1.0]))
 
 

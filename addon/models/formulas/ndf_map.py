@@ -1,4 +1,4 @@
-"""A highlight of any shape: the distribution of half vectors is an image."""
+"""A highlight of any shape: an image is the distribution of half vectors."""
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,26 +13,30 @@ from .ashikhmin_shirley import ASHIKHMIN
 from .cook_torrance import RTR, with_cosine
 
 GENERATOR = "Ashikhmin, Premože, Shirley, A microfacet-based BRDF generator, SIGGRAPH 2000"
+# The image in LUTS that is used without an image of the user's.
 SHIPPED = "ndf_star.exr"
 
 
 def distribution(p):
-    """The `HalfMap` of the parameters. Raises ValueError that names the file and what is wrong with it."""
+    """The `HalfMap` of the parameters `p`. Raises ImageError, which names the file and the fault."""
     return half_map.load(p["image"] or LUTS / SHIPPED, 2.0 * np.pi * p["rotation"])
 
 
 def lobe(view, light, p):
-    """Ashikhmin and Shirley's eq. 4 with any p(h) for theirs, 2 π of it for what they scale by (n+1)."""
+    """p(H) / (4 V·H max(N·L, N·V)), (N,): Ashikhmin and Shirley's eq. 4 with the image's density in place of theirs."""
     h = half(view, light)
     return distribution(p).density(h) / (4.0 * dot(view, h) * np.maximum(view[:, 2], light[:, 2]))
 
 
 @dataclass(frozen=True)
 class NdfMapModel(FormulaModel):
-    """Integrated over the image, as its light may be anywhere: f N·L dω_L = p(h) F N·L / max(N·L, N·V) dω_H."""
+    """A formula whose integrals are sums over the image's half vectors, since its lobe may be anywhere.
+
+    f N·L dω_L = p(h) F N·L / max(N·L, N·V) dω_H.
+    """
 
     def albedo_from(self, view, p):
-        """Albedo for one view (3,), of resolved parameters: a number or (3,)."""
+        """See `FormulaModel`."""
         light, _, mass = half_map.lights(distribution(p).nodes, view)
         energy = mass * light[:, 2] / np.maximum(light[:, 2], view[2])
         tint = factor(view, light, p)
@@ -40,7 +44,7 @@ class NdfMapModel(FormulaModel):
         return albedo + np.asarray(p["diffuse_color"]) if any(p["diffuse_color"]) else albedo
 
     def lights(self, view, p, widest: float, **counts):
-        """Lights (N, 3) and weights (N,): one for each pixel."""
+        """See `FormulaModel`. There is one light for each node of the image, whatever `widest` and `counts` are."""
         return half_map.lights(distribution(p).few_nodes, view)[:2]
 
 

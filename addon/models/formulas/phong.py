@@ -1,4 +1,4 @@
-"""Reciprocal Phong, its pumped-up form, and the form where controlled pumping ends."""
+"""Reciprocal Phong, its pumped-up form, and the limit of controlled pumping."""
 from ..lobe_model import LobeModel
 from ..lobes import PHONG
 from ..parameters import COLOUR, ESTIMATOR, PUMPING, SHAPE

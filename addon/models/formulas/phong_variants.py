@@ -15,30 +15,35 @@ SAWICKI = "Sawicki, Modeling the metallic reflection using appropriate BRDF mode
 
 
 def phong(view, light, p):
+    """max(R·L, 0)^n, (N,)."""
     n = p["exponent"]
     return PHONG.value(view, light, n) * 2.0 * np.pi / (n + 2.0)
 
 
 def blinn(view, light, p):
+    """(N·H)^n, (N,)."""
     n = p["exponent"]
     return BLINN.value(view, light, n) * 8.0 * np.pi / (n + 8.0)
 
 
 def blinn_normalized(view, light, p):
+    """(n+8)/(8 pi) (N·H)^n, (N,)."""
     return BLINN.value(view, light, p["exponent"])
 
 
 def sum_of_lobes(view, light, p):
-    """Sum of weighted (n+8)/(8 pi) (N·H)^n, (N,)."""
+    """The weighted sum of three lobes (n+8)/(8 pi) (N·H)^n, (N,)."""
     return sum(p[f"weight_{i}"] * BLINN.value(view, light, p[f"exponent_{i}"]) for i in (1, 2, 3))
 
 
-def drawn_from_sum(p):
-    parts = [(p[f"weight_{i}"], HalfPower(p[f"exponent_{i}"], p[f"exponent_{i}"])) for i in (1, 2, 3)]
-    return Mixture((*parts, (np.mean(p["diffuse_color"]) + 1e-3, Cosine())))
+def make_sum_sampler(p):
+    """Half vectors of all lobes, mixed with Lambert's directions."""
+    lobes = [(p[f"weight_{i}"], HalfPower(p[f"exponent_{i}"], p[f"exponent_{i}"])) for i in (1, 2, 3)]
+    return Mixture((*lobes, (np.mean(p["diffuse_color"]) + 1e-3, Cosine())))
 
 
 def narrowest(p):
+    """The slope of the narrowest lobe that has a weight."""
     return np.sqrt(2.0 / max([p[f"exponent_{i}"] for i in (1, 2, 3) if p[f"weight_{i}"] > 0.0] or [1.0]))
 
 
@@ -68,5 +73,5 @@ register(FormulaModel(
     description="Three normalised Blinn-Phong lobes, added: a sharp core in a wide halo",
     parameters=LOBES + COLOUR + DIFFUSE + ESTIMATOR,
     formula="c_diff/π + F Σ w_i (n_i+8)/(8π) (N·H)^n_i", references=(RTR + ", eq. 7.49",),
-    lobe=sum_of_lobes, sampler=drawn_from_sum, width=narrowest, width_parameter="exponent_1",
+    lobe=sum_of_lobes, sampler=make_sum_sampler, width=narrowest, width_parameter="exponent_1",
     widened_with=("exponent_2", "exponent_3"), colour=factor, diffuse=lambert))
