@@ -21,7 +21,7 @@ def test_every_name_and_sentence_has_a_word():
 
 
 def test_no_word_is_for_what_is_not_shown():
-    source = "".join(path.read_text(encoding="utf-8") for path in interface_words.BLENDER.glob("*.py")
+    source = "".join(path.read_text(encoding="utf-8") for path in interface_words.BLENDER.rglob("*.py")
                      if path.name != "german.py")
     flat = source.replace('"\n', "").replace("\n", "")
     shown = interface_words.labels() | interface_words.sentences()

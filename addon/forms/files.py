@@ -1,11 +1,11 @@
-"""Writing files whole or not at all."""
+"""Writing of whole files: a failure leaves the old file."""
 import contextlib
 import os
 
 
 @contextlib.contextmanager
 def replacing(path):
-    """A path beside `path` to write to, which takes its place when the block ends, and goes where that fails."""
+    """A temporary path beside `path`. It replaces `path` when the block ends, and is deleted when the block fails."""
     beside = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         yield beside
@@ -15,6 +15,6 @@ def replacing(path):
 
 
 def replace_text(path, text: str):
-    """Write `text` beside `path`, in UTF-8, and rename it when it is whole."""
+    """Write `text` to `path` in UTF-8, by a temporary file that is renamed when it is complete."""
     with replacing(path) as beside:
         beside.write_text(text, encoding="utf-8")

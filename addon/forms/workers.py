@@ -1,12 +1,13 @@
-"""Jobs over several processes, in order."""
+"""Jobs in several processes, with results in order."""
 import os
 import threading
 
 
 def mapped(function, jobs, workers=None):
-    """Results of `function` over `jobs` in order, a generator: in `workers` processes (one a core), or here when 1.
+    """Results of `function` for each of `jobs`, in order, a generator.
 
-    Closing it, or an error, cancels what has not begun.
+    `workers` is the number of processes, by default one a core; with 1 the jobs run in this process. Closing the
+    generator, or an error, cancels the jobs that have not begun.
     """
     workers = workers or os.cpu_count() or 1
     if workers == 1:
@@ -23,7 +24,7 @@ def mapped(function, jobs, workers=None):
 
 
 def _end_with_parent():
-    """End this process when the one that made it is killed: it would wait for jobs for ever."""
+    """End this process when its parent process is killed: otherwise it would wait for jobs forever."""
     from multiprocessing import connection, parent_process
 
     def watch():

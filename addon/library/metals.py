@@ -1,25 +1,28 @@
 """Metals: linear-sRGB reflectances and effective refractive indices from measured optical constants.
 
-Derived by `python -m addon.dev.demo.derive_metals FOLDER` from n, k files of the refractiveindex.info database (CC0):
-the reflectance of a smooth surface in air, unpolarised, integrated at every angle through the CIE 1931 2-degree
-observer under illuminant D65 (sRGB's white, so that a perfect mirror is 1, 1, 1), clipped channel by channel to 0..1.
-Gold's and copper's red lie outside the gamut (up to 1.05) and become 1, which changes their hue a little and creates
-no energy.
+Derived by `python -m addon.dev.demo.derive_metals FOLDER` from n, k files of the refractiveindex.info database (CC0).
+The data are reflectances of a smooth surface in air for unpolarized light. At every angle the spectrum is integrated
+with the CIE 1931 2-degree observer under illuminant D65 (sRGB's white, so that a perfect mirror is 1, 1, 1). Channels
+are clipped to 0..1. Gold's and copper's red are outside the gamut (up to 1.05) and become 1, which changes their hue a
+little and creates no energy.
 
-`ior` and `extinction` are fitted per channel: no wavelength has them, but fresnel.conductor of them follows the
-integrated reflectance from 0 to 85 degrees within `fit_error` (absolute, worst channel and angle; 0.0018 for gold,
-else 0.0007 or less).
+`ior` and `extinction` are fitted per channel. They are the constants of no wavelength, but fresnel.conductor with them
+follows the integrated reflectance from 0 to 85 degrees within `fit_error` (absolute, worst channel and angle; 0.0018
+for gold, 0.0007 or less for the others).
 """
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Metal:
-    """A metal's figures, each a linear-sRGB triple.
+    """A metal's optical properties, each a linear-sRGB triple.
 
-    `f0` is the reflectance at normal incidence, `f82` at arccos(1/7) = 81.8 degrees, where metals dip; towards 90
-    degrees every metal tends to 1, so that Schlick's edge colour is `f90`. `ior` and `extinction` are n and k for the
-    exact conductor formula. `reference` cites the measurement.
+    - `f0`: the reflectance at normal incidence.
+    - `f82`: the reflectance at arccos(1/7) = 81.8 degrees, where metals have a minimum.
+    - `f90`: Schlick's edge color. Toward 90 degrees the reflectance of every metal tends to 1.
+    - `ior`, `extinction`: n and k of the exact conductor formula.
+    - `fit_error`: see above.
+    - `reference`: the source of the measurement.
     """
 
     label: str

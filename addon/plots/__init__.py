@@ -1,1 +1,1 @@
-"""A model at a glance, quick enough to follow a slider: albedos, lobes, and a picture of both, with NumPy alone."""
+"""Plots of a model's albedo and lobes, by NumPy alone and fast enough to follow a slider."""

@@ -1,7 +1,7 @@
-"""A picture to draw lines, areas and words into: pixels by NumPy, with soft edges.
+"""A picture with anti-aliased lines, areas and text, drawn by NumPy.
 
-Points are (x, y) in pixels from the lower left corner, y up; the centre of the first pixel is (0.5, 0.5). Colours are
-RGB as a screen shows them, 0..1.
+Points are (x, y) in pixels from the lower left corner, y up. The center of the first pixel is (0.5, 0.5). Colors are
+display RGB, 0..1.
 """
 import numpy as np
 
@@ -16,15 +16,16 @@ class Canvas:
         self.pixels[..., :3] = background
 
     def blend(self, coverage, colour, at=(slice(None), slice(None))):
-        """Lay `colour` over the pixels `at` (rows, columns), as much as `coverage` says, 0..1."""
+        """Blends `colour` over the pixels `at` (rows, columns), with the opacity `coverage` (height, width), 0..1."""
         target = self.pixels[at][..., :3]
         target += coverage[..., None].astype(np.float32) * (np.asarray(colour, np.float32) - target)
 
     def line(self, points, colour, width: float = 2.5, opacity: float = 1.0, dash: float = 0.0):
-        """A line of `width` pixels through `points` (N, 2), where N is 2 or more; points that are no numbers break it.
+        """Draws a line of `width` pixels through `points` (N, 2), N >= 2. Points that are not finite interrupt it.
 
-        `dash`: length in pixels of strokes and of gaps between them; 0 for none.
+        `dash` is the length in pixels of the strokes and of the gaps. 0 draws a solid line.
         """
+        # The pixels that the line can touch.
         points = np.asarray(points, np.float64)
         known = points[np.isfinite(points).all(axis=1)]
         if not len(known):
@@ -32,24 +33,25 @@ class Canvas:
         reach = 0.5 * width + 1.0
         rows, columns = self._around(known.min(axis=0) - reach, known.max(axis=0) + reach)
         cover = np.zeros((max(rows.stop - rows.start, 0), max(columns.stop - columns.start, 0)), np.float32)
+        # Strokes are united by their maximum, so that joints are not darker.
         for start, end in _strokes(points, dash):
             y, x = self._around(np.minimum(start, end) - reach, np.maximum(start, end) + reach)
-            part = cover[y.start - rows.start:max(y.stop - rows.start, 0),
-                         x.start - columns.start:max(x.stop - columns.start, 0)]
-            if part.size:
-                distance = _distance(y.start, x.start, part.shape, start, end)
-                np.maximum(part, np.clip(0.5 * width + 0.5 - distance, 0.0, 1.0), out=part)
+            stroke = cover[y.start - rows.start:max(y.stop - rows.start, 0),
+                           x.start - columns.start:max(x.stop - columns.start, 0)]
+            if stroke.size:
+                distance = _distance(y.start, x.start, stroke.shape, start, end)
+                np.maximum(stroke, np.clip(0.5 * width + 0.5 - distance, 0.0, 1.0), out=stroke)
         self.blend(opacity * cover, colour, (rows, columns))
 
     def _around(self, low, high):
-        """Slices (rows, columns) of the pixels between two corners (2,), none of them outside the picture."""
+        """Slices (rows, columns) of the pixels between two corners (2,), clipped to the picture."""
         most = np.array(self.pixels.shape[1::-1])
         left, bottom = np.clip(np.floor(low), 0, most).astype(int)
         right, top = np.clip(np.ceil(high), 0, most).astype(int)
         return slice(bottom, top), slice(left, right)
 
     def below(self, points, floor: float, colour, opacity: float):
-        """The area between a curve, `points` (N, 2) with x ascending, and the height `floor`."""
+        """Fills the area between a curve, `points` (N, 2) with x ascending, and the height `floor`."""
         points = np.asarray(points, np.float64)
         low, high = (points[0, 0], floor - 1.0), (points[-1, 0], points[:, 1].max() + 1.0)
         rows, columns = at = self._around(low, high)
@@ -60,7 +62,10 @@ class Canvas:
         self.blend(opacity * inside, colour, at)
 
     def fan(self, centre, angles, radii, colour, opacity: float):
-        """The area about `centre` within `radii` (N,) pixels at `angles` (N,), radians from upright to the right."""
+        """Fills the area about `centre` inside a polar curve above it.
+
+        The curve has `radii` (N,) in pixels at `angles` (N,), ascending, in radians from the vertical to the right.
+        """
         reach = np.max(radii) + 1.0
         rows, columns = at = self._around(np.asarray(centre) - (reach, 1.0), np.asarray(centre) + reach)
         y = np.arange(rows.start, rows.stop)[:, None] + 0.5 - centre[1]
@@ -69,7 +74,8 @@ class Canvas:
         self.blend(opacity * np.clip(radius - np.hypot(x, y) + 0.5, 0.0, 1.0) * (y > -0.5), colour, at)
 
     def text(self, text: str, at, colour, dot: int = 2, align: float = 0.0):
-        """Words whose lower left corner is `at`; `align` 0.5 centres them there, 1 ends them there."""
+        """Draws text with its lower left corner at `at`. `align` 0.5 centers it there, 1 ends it there."""
+        # The ink, clipped to the picture.
         ink = letters.bitmap(text, dot)[::-1]
         left, low = int(round(at[0] - align * ink.shape[1])), int(round(at[1]))
         height, width = self.pixels.shape[:2]
@@ -79,7 +85,7 @@ class Canvas:
 
 
 def _strokes(points, dash):
-    """Pairs of points, the ends of the straight parts of a line: those that are drawn."""
+    """Yields (start, end), points (2,), of the straight strokes that a line is drawn as."""
     starts, ends = points[:-1], points[1:]
     known = np.isfinite(starts).all(axis=1) & np.isfinite(ends).all(axis=1)
     for start, end in zip(starts[known], ends[known], strict=True):
@@ -92,7 +98,7 @@ def _strokes(points, dash):
 
 
 def _distance(bottom, left, shape, start, end):
-    """Distance (shape) of pixels, the first of which is (`bottom`, `left`), from the line between two points."""
+    """Distances (shape) of a block of pixels, the first at (`bottom`, `left`), to the line between two points."""
     y = np.arange(shape[0])[:, None] + (bottom + 0.5 - start[1])
     x = np.arange(shape[1]) + (left + 0.5 - start[0])
     along = end - start

@@ -1,7 +1,9 @@
-"""A small bitmap font: what a plot's ticks and legend are written in."""
+"""A small bitmap font for a plot's ticks and legend."""
 import numpy as np
 
-WIDTH, HEIGHT = 5, 7  # of a letter, in its own dots
+# A letter's size in dots.
+WIDTH, HEIGHT = 5, 7
+# The letters' rows, from the top.
 _ROWS = {
     "0": "01110 10001 10011 10101 11001 10001 01110",
     "1": "00100 01100 00100 00100 00100 00100 01110",
@@ -40,12 +42,12 @@ LETTERS = {letter: np.array([[dot == "1" for dot in row] for row in rows.split()
 
 
 def size(text: str, dot: int) -> tuple:
-    """Width and height in pixels of `text` whose dots are `dot` pixels wide."""
+    """Width and height of `text` in pixels, with dots of `dot` pixels."""
     return max(len(text) * (WIDTH + 1) - 1, 0) * dot, HEIGHT * dot
 
 
 def bitmap(text: str, dot: int) -> np.ndarray:
-    """Where `text` has ink, (height, width) bool, the top row first. Raises ValueError for a letter that is missing."""
+    """The ink of `text`, (height, width) bool, the top row first. Raises ValueError for letters not in the font."""
     missing = sorted(set(text) - set(LETTERS))
     if missing:
         raise ValueError(f"{text!r}: no letters {', '.join(missing)} in this font")

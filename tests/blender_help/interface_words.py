@@ -25,7 +25,7 @@ def _texts(node):
 def sentences() -> set:
     """Literals that are said, directly or by a name that is given them."""
     found = set()
-    for path in BLENDER.glob("*.py"):
+    for path in BLENDER.rglob("*.py"):
         tree = ast.parse(path.read_text(encoding="utf-8"))
         named = {}
         for node in ast.walk(tree):
@@ -45,7 +45,7 @@ def labels() -> set:
     found = {p.label for model in MODELS.values() for p in model.parameters}
     found |= {item[1] for model in MODELS.values() for p in model.parameters for item in p.items}
     found |= {preset.group for preset in PRESETS.values()}
-    for path in BLENDER.glob("*.py"):
+    for path in BLENDER.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", None) == "bl_label":
                 found.update(_texts(node.value))

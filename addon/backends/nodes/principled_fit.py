@@ -90,9 +90,9 @@ class _Target:
         self.rotation = ((values["rotation"] if turned else 0.0) + self.turn) % 1.0
         values = {**values, "rotation": 0.0} if turned else values
         self.width = _narrowest(model, values, self.ratio)
-        self._look(model, values)
+        self._evaluate_views(model, values)
 
-    def _look(self, model, values):
+    def _evaluate_views(self, model, values):
         views = view_at(np.cos(np.radians(VIEWS)))
         if self.ratio < 1.0:
             views = np.concatenate([views, views[1:, [1, 0, 2]]])

@@ -265,7 +265,7 @@ def compile_text(model, text: str) -> str:
         osl, oso = Path(folder) / f"{model.id}.osl", Path(folder) / f"{model.id}.oso"
         osl.write_text(text, encoding="utf-8")
         if not _cycles.osl_compile(str(osl), str(oso)) or not oso.exists():
-            raise OslError(f"the shader of {model.label} did not compile; the console shows the reason")
+            raise OslError(f"the shader of {model.label} did not compile; the console tells why")
         return _normalized(oso.read_text(encoding="utf-8"))
 
 

@@ -23,7 +23,7 @@ from .panels import Face, draw_text, in_both_places
 
 SAMPLES = 256  # per pixel
 _TICK = 0.1  # seconds between two looks at the test
-# The Python script for the other Blender: the command `furnace`. Its report goes to a file, as Blender prints to stdout.
+# The Python script of the other Blender: the command `furnace`. Blender prints to stdout, so the report goes to a file.
 _SCRIPT = """
 import contextlib, os, sys
 sys.path.insert(0, {root!r})

@@ -6,7 +6,7 @@ from ... import assets
 from ...library.presets import PRESETS
 from ...models import MODELS
 
-_pictures = None
+_pictures = None  # Blender's collection of previews, by id of a model or preset
 
 
 def start(in_background: bool = False):

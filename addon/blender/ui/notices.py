@@ -57,7 +57,7 @@ def _newer(node):
 
 
 def _older(material):
-    """The notice for outdated nodes, as after appending a material; else the report of the upgrade on loading, or None."""
+    """The notice for outdated nodes, as of an appended material; else the report of the upgrade on loading, or None."""
     tree = material and material.node_tree
     if tree and material.is_editable and any(upgrade.is_outdated(node) for node in tree.nodes):
         return Notice("Made by an earlier version of the extension", (Cure("plausible.upgrade", "Upgrade Materials"),),

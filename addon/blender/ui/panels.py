@@ -1,4 +1,4 @@
-"""The panel, in the material tab and in the shader editor's sidebar."""
+"""The panels, in the material tab and in the shader editor's sidebar."""
 import textwrap
 
 import bpy
@@ -18,18 +18,21 @@ from .operators import pumping, table_bake
 from .operators.common import material_of, plausible_node
 from .properties import NAMES, RANGES
 
-_AT_GRAZING = {"grazing_exponent", "retro_grazing_exponent"}  # read where exponents vary with the angle
-_COARSE = 0.1  # error of a lobe above which it is no longer what its parameters say
+# Parameters that count only where exponents vary with the angle.
+_AT_GRAZING = {"grazing_exponent", "retro_grazing_exponent"}
+# Error of a lobe, as a fraction of the albedo, above which the panel shows a warning.
+_COARSE = 0.1
+# Parameters that a metal sets.
 _METAL_IDS = {"base_color", "ior", "extinction"}
-# A parameter that only one choice of Fresnel reads is shown with that choice only.
+# Parameters that only some choices of Fresnel read: they are shown with these choices only.
 _ONLY_WITH = {"f90": ("schlick",), "ior": ("conductor",), "extinction": ("conductor",),
               "base_color": ("constant", "schlick")}
 
 
 def draw_text(layout, context, text, icon="NONE"):
-    """Labels that show all of `text`, broken to the width of the region; the icon stands before the first."""
+    """Draw `text`, translated and wrapped to the width of the region. The icon stands before the first line."""
     scale = context.preferences.system.ui_scale
-    # About 6.5 pixels a letter, and 70 for margins and icon.
+    # In letters: about 6.5 pixels each, and 70 pixels for margins and icon.
     width = max(20, int((context.region.width / scale - 70) / 6.5))
     column = layout.column(align=True)
     column.scale_y = 0.8
@@ -39,7 +42,7 @@ def draw_text(layout, context, text, icon="NONE"):
 
 
 def draw_notice(layout, context, notice):
-    """A message in a box, with the buttons that mend it."""
+    """Draw a notice in a box, with its buttons."""
     box = layout.box()
     draw_text(box, context, notice.text, notice.icon)
     row = box.row(align=True)
@@ -53,9 +56,9 @@ def draw_notice(layout, context, notice):
 
 
 def draw_bake(layout, models=None):
-    """The bake's progress with a button to cancel it; without a bake, the button that asks what to bake.
+    """Draw the progress of a running table bake with a button to cancel it, else the button of the bake dialog.
 
-    `models` are those whose tables are proposed, by id; all when None.
+    `models` are the ids of the models that the dialog proposes; None proposes all.
     """
     if table_job.job is None or not table_job.job.running:
         button = layout.operator("plausible.choose_bake", icon="RENDER_STILL")
@@ -68,25 +71,26 @@ def draw_bake(layout, models=None):
 
 
 def draw_parameter(layout, material, node, parameter):
-    """One parameter: its slider, or what is linked to its socket, and the range that it is baked over, if it is."""
-    source = socket_of(node, parameter)
-    if source is None:
+    """Draw one parameter: its slider or the node linked to its socket, and its range where it is driven and baked."""
+    socket = socket_of(node, parameter)
+    if socket is None:
         return
     group, name = material.plausible_brdf, NAMES[parameter]
-    if source.is_linked:
-        _draw_link(layout, parameter.label, source.links[0].from_node)
+    if socket.is_linked:
+        _draw_link(layout, parameter.label, socket.links[0].from_node)
     elif parameter.kind == "color" and parameter.maximum > 1.0:
         column = layout.column(align=True)
         column.prop(group, name, index=0, text=f"{parameter.label}  R")
         column.prop(group, name, index=1, text="G")
         column.prop(group, name, index=2, text="B")
-    elif parameter.kind != "vector":  # three numbers tell nobody a direction: a vector is for links
+    elif parameter.kind != "vector":  # a direction is for links only, as three numbers would be hard to read
         layout.prop(group, name, text=parameter.label)
     if parameter in RANGES and driven.is_driven(node, parameter):
         layout.row(align=True).prop(group, RANGES[parameter])
 
 
 def _draw_link(layout, label, node):
+    """Draw a parameter's label and the node that is linked to it, grayed out."""
     split = layout.split(factor=0.4)
     split.enabled = False
     name = split.row()
@@ -96,18 +100,18 @@ def _draw_link(layout, label, node):
 
 
 class Face:
-    """What the panels of both places have in common."""
+    """The common part of a panel in the material tab and in the shader editor."""
 
     @classmethod
     def poll(cls, context):
         return cls.is_here(context) and plausible_node(material_of(context))[1] is not None
 
     def begin(self, context):
-        """(layout, material, node, model), the layout set up like Blender's own material panels."""
+        """(layout, material, node, model), with the layout set up as in Blender's own material panels."""
         material = material_of(context)
         layout = self.layout
         layout.use_property_split = True
-        layout.use_property_decorate = False  # the values are the node's sockets, and keyframes belong there
+        layout.use_property_decorate = False  # keyframes belong on the node's sockets, which store the values
         layout.enabled = material is None or material.is_editable
         return (layout, material, *plausible_node(material))
 
@@ -126,6 +130,7 @@ class _Main(Face):
         if model is None:
             layout.operator("plausible.new_material", icon="ADD")
             return
+        # The choice of the model, by picture and by name.
         if icons.icon_of(model.id):
             layout.template_icon_view(material.plausible_brdf, "model", show_labels=True, scale=4.0, scale_popup=4.0)
         row = layout.row(align=True)
@@ -134,6 +139,7 @@ class _Main(Face):
         row.menu("PLAUSIBLE_MT_convert", text="", icon="ARROW_LEFTRIGHT")
         row.menu("PLAUSIBLE_MT_presets", text="", icon="PRESET")
         draw_weights(layout, context, material, node)
+        # A reminder of the scene's setting.
         if context.scene.render.engine == "CYCLES" and backends.DEFAULT.is_on(context.scene):
             note = layout.row()
             note.active = False
@@ -141,7 +147,7 @@ class _Main(Face):
 
 
 def draw_weights(layout, context, material, node):
-    """What a baked model's weights are for, what is amiss with them, and a bake's progress."""
+    """Draw the state of a baked model's lobe rows: a bake's progress, that they are stale, or their error."""
     if row_jobs.is_running(material):
         done, total = row_jobs.progress(material)
         row = layout.row(align=True)
@@ -156,7 +162,7 @@ def draw_weights(layout, context, material, node):
     elif baked_error(node):
         note = layout.row()
         note.active = False
-        lobe, albedo = (f"{100.0 * part:.2g}" for part in baked_error(node))
+        lobe, albedo = (f"{100.0 * fraction:.2g}" for fraction in baked_error(node))
         names = ", ".join(tr(model_of(node).parameter(name).label) for name in driven.ranges(node))
         text = ("Baked over ranges of {names}: up to 80° lobes are within {lobe} %, their light within {albedo} %"
                 if names else "Baked: up to 80° lobes are within {lobe} %, their light within {albedo} %")
@@ -175,11 +181,12 @@ class _Lobe(Face):
         for parameter in shown:
             if parameter.id != hidden and parameter.id != "use_roughness":
                 draw_parameter(layout, material, node, parameter)
-            # The switch stands under what it switches.
+            # The switch between exponent and roughness stands under them.
             if parameter.id == "roughness" and "use_roughness" in by_id:
                 row = layout.row(align=True)
                 draw_parameter(row, material, node, by_id["use_roughness"])
                 row.operator("plausible.switch_width", text="", icon="ARROW_LEFTRIGHT")
+        # The comparison with the model before pumping.
         if "pumps" in by_id:
             before = pumping.shows_before(node)
             layout.operator("plausible.compare_pumping", text="Show after Pumping" if before else "Show before Pumping",
@@ -188,7 +195,7 @@ class _Lobe(Face):
 
 
 def draw_hint(layout, context, node, model):
-    """A word where lumps are shrunk to stay on the disk."""
+    """Draw a note where lumps are shrunk to stay on the disk."""
     if isinstance(model, DiskModel) and model.is_held(model.resolve(values(node))):
         note = layout.column()
         note.active = False
@@ -197,7 +204,7 @@ def draw_hint(layout, context, node, model):
 
 
 def _at_this_angle(parameter, material, model):
-    """Whether the model reads a parameter: exponents at grazing only where they vary, which a link may decide."""
+    """Whether a parameter is shown: exponents at grazing only where exponents vary, or a link may let them vary."""
     if parameter.id not in _AT_GRAZING:
         return True
     node = plausible_node(material)[0]
@@ -205,7 +212,7 @@ def _at_this_angle(parameter, material, model):
 
 
 def _has(context, section):
-    """Whether the model shown has parameters of a section."""
+    """Whether the shown material's model has parameters of a section."""
     return any(p.section == section for p in plausible_node(material_of(context))[1].parameters)
 
 
@@ -224,7 +231,7 @@ class _Retro(Face):
 
 
 def _unused_width(material, node, by_id):
-    """The one of exponent and roughness that the lobe does not read; None when a link may decide either way."""
+    """The unused one of "exponent" and "roughness"; None without the choice, or where a link decides it."""
     if "use_roughness" not in by_id or is_linked(node, by_id["use_roughness"]):
         return None
     return "exponent" if material.plausible_brdf.use_roughness else "roughness"
@@ -252,7 +259,7 @@ class _Color(Face):
 
 
 def _is_read(name, by_id, material, node):
-    """Whether the choice of Fresnel reads the parameter `name`; a linked choice may read any."""
+    """Whether the choice of Fresnel uses the parameter `name`. A linked choice may use any."""
     if name not in _ONLY_WITH or "fresnel_type" not in by_id or is_linked(node, by_id["fresnel_type"]):
         return True
     return material.plausible_brdf.fresnel_type in _ONLY_WITH[name]
@@ -288,7 +295,7 @@ class _Tables(Face):
 
 
 def draw_tables(layout, context, names):
-    """What the tables in use are: their columns and rows, exponents and measured errors."""
+    """Draw the size, range of exponents and measured error of the tables `names` in use, and the folder's problem."""
     if table_folder.folder_problem:
         draw_text(layout, context, table_folder.folder_problem, "ERROR")
     for name in names:
@@ -300,6 +307,8 @@ def draw_tables(layout, context, names):
 
 
 class _InMaterialTab:
+    """The place of panels in the material tab of the properties editor."""
+
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
     bl_context = "material"
@@ -307,11 +316,13 @@ class _InMaterialTab:
 
     @classmethod
     def is_here(cls, context):
-        # A Plausible material shows its panel, and what is amiss, under every engine.
+        # A Plausible material shows its panel with notices under every engine.
         return context.engine in cls.COMPAT_ENGINES or plausible_node(material_of(context))[1] is not None
 
 
 class _InShaderEditor:
+    """The place of panels in the shader editor's sidebar."""
+
     bl_space_type = "NODE_EDITOR"
     bl_region_type = "UI"
     bl_category = "Plausible"
@@ -320,11 +331,11 @@ class _InShaderEditor:
     def is_here(cls, context):
         space = context.space_data
         return (space.tree_type == "ShaderNodeTree" and space.shader_type == "OBJECT"
-                and isinstance(space.id, (bpy.types.Material, type(None))))  # a light's nodes count as an object's too
+                and isinstance(space.id, (bpy.types.Material, type(None))))  # the shader type "OBJECT" includes lights
 
 
 def in_both_places(faces):
-    """Panels of each face in both places; a parent stands before those that lie in it."""
+    """Panel classes of each face in both places. `_Main` is the parent of all others, and has to come first."""
     panels = []
     for place, prefix in ((_InMaterialTab, "PLAUSIBLE_PT"), (_InShaderEditor, "PLAUSIBLE_PT_node")):
         for face in faces:

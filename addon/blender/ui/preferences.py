@@ -1,4 +1,4 @@
-"""The extension's preferences: where the albedo tables are, what new materials begin with, and the cache."""
+"""The extension's preferences: the folder of albedo tables, initial values of new materials, and the cache."""
 import bpy
 
 from ...forms.albedo import tables
@@ -17,11 +17,11 @@ def _limit_changed(self, context):
 
 
 def _declared(name):
-    """The keywords of a Blender property for a parameter that new materials begin with."""
+    """Keywords of the Blender property for a parameter's initial value in new materials."""
     parameter = settings.DEFAULTS[name]
-    kind = int if parameter.kind == "int" else float
+    number = int if parameter.kind == "int" else float
     return {"name": parameter.label, "description": f"{parameter.help}. New materials begin with it",
-            "min": kind(parameter.minimum), "max": kind(parameter.maximum), "default": kind(parameter.default)}
+            "min": number(parameter.minimum), "max": number(parameter.maximum), "default": number(parameter.default)}
 
 
 class PlausiblePreferences(bpy.types.AddonPreferences):
@@ -44,13 +44,17 @@ class PlausiblePreferences(bpy.types.AddonPreferences):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        for hindrance in backends.DEFAULT.why_not():
-            draw_text(layout, context, hindrance.text, "ERROR")
+        # Why this Blender cannot render the materials.
+        for notice in backends.DEFAULT.why_not():
+            draw_text(layout, context, notice.text, "ERROR")
+        # Albedo tables.
         layout.prop(self, "lut_folder")
         draw_all_tables(layout, context)
+        # New materials.
         column = layout.column(heading="New Materials")
         column.prop(self, "samples")
         column.prop(self, "light_spread")
+        # The cache, and the manual.
         layout.prop(self, "cache_limit")
         row = layout.row()
         row.label(text=f"Cache: {row_cache.size() / 1e6:.1f} MB")
@@ -59,7 +63,7 @@ class PlausiblePreferences(bpy.types.AddonPreferences):
 
 
 def draw_all_tables(layout, context):
-    """Where the albedo tables are, what they are, and what is wrong with them."""
+    """Draw the problem of the albedo tables, their folder, and a line for each table."""
     problem = table_folder.problem(tables.TABLES)
     if problem:
         draw_text(layout, context, problem, "ERROR")

@@ -1,7 +1,7 @@
-"""Properties of a material that show its node's sockets with names, ranges and help from the registry.
+"""Properties of a material for its node's sockets, with names, ranges and tooltips from the models' parameters.
 
-A value lives in its socket only: these properties read and write there, so nothing is stored twice and links, drivers,
-keyframes and undo are the socket's own.
+The sockets alone store the values: the properties read and write them. So no value is stored twice, and links, drivers,
+keyframes and undo are those of the sockets.
 """
 import math
 
@@ -12,31 +12,34 @@ from .. import backend as backends
 from ..material import driven, groups, materials, sockets
 from . import icons
 
-_EXPONENT_SOFT_MAX = 1000.0  # dragging is linear: to 100000 it would jump over everything that is not a mirror
+# End of an exponent's slider. Sliders are linear, and one up to 100000 would skip all exponents below a mirror's.
+_EXPONENT_SOFT_MAX = 1000.0
 
 
 def _owner(group, parameter):
-    """The node of the group's material, if it has the parameter; else None."""
+    """The Plausible node of the property group's material; None where it lacks the parameter or its socket."""
     node = groups.find_node(group.id_data)
     model = groups.model_of(node) if node else None
-    known = model is not None and parameter in model.parameters and sockets.socket_of(node, parameter) is not None
-    return node if known else None
+    has_it = model is not None and parameter in model.parameters and sockets.socket_of(node, parameter) is not None
+    return node if has_it else None
 
 
-def _hold(parameter, number):
+def _clamp_number(parameter, number):
+    """Clamps to [minimum, maximum] of the parameter."""
     return min(max(number, parameter.minimum), parameter.maximum)
 
 
-def _held(parameter, value):
-    """`value` held to the parameter's range, as a slider does."""
+def _clamped(parameter, value):
+    """`value` clamped to the parameter's range, as by a slider; a path as an absolute path."""
     if parameter.kind in ("color", "vector"):
-        return tuple(_hold(parameter, number) for number in value)
+        return tuple(_clamp_number(parameter, number) for number in value)
     if parameter.kind == "image":
-        return bpy.path.abspath(value)  # what is relative to the .blend means nothing outside Blender
-    return value if parameter.kind == "bool" else _hold(parameter, value)
+        return bpy.path.abspath(value)  # a path relative to the .blend has no meaning outside Blender
+    return value if parameter.kind == "bool" else _clamp_number(parameter, value)
 
 
 def _accessors(parameter):
+    """The functions `get` and `set` of a parameter's property, by keyword."""
     def read(self):
         node = _owner(self, parameter)
         return parameter.default if node is None else sockets.get_value(node, parameter)
@@ -45,24 +48,25 @@ def _accessors(parameter):
         node = _owner(self, parameter)
         if node is None:
             raise ValueError(f"{self.id_data.name}: this material has no parameter {parameter.id!r}")
-        materials.set_value(node, parameter, _held(parameter, value))
+        materials.set_value(node, parameter, _clamped(parameter, value))
 
     return {"get": read, "set": write}
 
 
 def _float_range(parameter):
+    """The keywords `min` and `max` of a float property, where they are finite."""
     keys = {"min": parameter.minimum, "max": parameter.maximum}
     return {key: value for key, value in keys.items() if math.isfinite(value)}
 
 
 def _property(parameter):
-    """The Blender property of one parameter. Raises ValueError for a kind that has none."""
-    # Not animatable: keyframes and drivers belong on the socket, which holds the value.
+    """The Blender property of one parameter. Raises ValueError for an unknown kind."""
+    # Not animatable: keyframes and drivers belong on the socket, which stores the value.
     common = {"name": parameter.label, "description": parameter.help, "options": set(), **_accessors(parameter)}
     if parameter.kind == "bool":
         return bpy.props.BoolProperty(**common)
     if parameter.kind == "image":
-        # 4.5 and later ask whether a path may begin with //; ours is made whole when it is written.
+        # Since Blender 4.5 paths that begin with // need an option. `_clamped` makes such a path absolute.
         options = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5) else set()
         return bpy.props.StringProperty(subtype="FILE_PATH", **{**common, "options": options})
     if parameter.kind == "int":
@@ -72,7 +76,7 @@ def _property(parameter):
     if parameter.kind == "vector":
         return bpy.props.FloatVectorProperty(size=3, subtype="XYZ", **_float_range(parameter), **common)
     if parameter.kind == "color":
-        # Only reflectances are colours to look at; a refractive index is three numbers.
+        # Only reflectances are shown as a color; a refractive index is three numbers.
         subtype = "COLOR" if parameter.maximum <= 1.0 else "NONE"
         return bpy.props.FloatVectorProperty(size=3, subtype=subtype, precision=3, **_float_range(parameter), **common)
     if parameter.kind != "float":
@@ -84,7 +88,10 @@ def _property(parameter):
 
 
 def _named_parameters():
-    """Property name of every parameter of every model: its id, unless models declare one id differently."""
+    """{parameter: name of its property}, of all models.
+
+    The name is the parameter's id. Where another model declares the same id differently, it is "<model id>_<id>".
+    """
     names = {}
     for model in MODELS.values():
         for parameter in model.parameters:
@@ -94,14 +101,14 @@ def _named_parameters():
 
 
 NAMES = _named_parameters()
-# Property name of the range of each parameter that has one: switches have all their values, colours go from black to
-# white.
+# {parameter: name of the property for its range}. Switches and reflectances lack one, as they have a fixed range: all
+# values of a switch, and black to white.
 RANGES = {p: f"{NAMES[p]}_range" for model in MODELS.values() if not backends.DEFAULT.follows_sockets(model)
           for p in model.parameters if p.can_be_driven and (p.kind == "float" or p.kind == "color" and p.maximum > 1.0)}
 
 
 def _range_property(parameter):
-    """The property for the range that a parameter is baked over where it is driven."""
+    """The Blender property for the range that a driven parameter is baked over."""
     def read(self):
         node = _owner(self, parameter)
         return parameter.usual_range(parameter.default) if node is None else driven.range_of(node, parameter)
@@ -110,8 +117,8 @@ def _range_property(parameter):
         node = _owner(self, parameter)
         if node is None:
             raise ValueError(f"{self.id_data.name}: this material has no parameter {parameter.id!r}")
-        least, most = sorted(_hold(parameter, number) for number in value)
-        if least < most:  # a slider may bring both together on its way
+        least, most = sorted(_clamp_number(parameter, number) for number in value)
+        if least < most:  # while a slider is dragged both may be equal for a moment
             materials.set_range(node, parameter, least, most)
 
     return bpy.props.FloatVectorProperty(
@@ -124,12 +131,14 @@ MODEL_ITEMS = [(model.id, model.label, model.description, i) for i, model in enu
 
 
 def _read_model(self):
+    """The number of the material's model among MODELS; 0 without a model."""
     node = groups.find_node(self.id_data)
     model = groups.model_of(node) if node else None
     return list(MODELS).index(model.id) if model else 0
 
 
 def _write_model(self, number):
+    """Change the material's model to the one with this number among MODELS."""
     materials.change_model(self.id_data, list(MODELS)[number])
 
 
@@ -143,7 +152,7 @@ PlausibleMaterial = type("PlausibleMaterial", (bpy.types.PropertyGroup,), {
 
 
 def prepare():
-    """Declare the property `model`, before its class is registered: its items' icons are those of today."""
+    """Declare the property `model`, before its class is registered and after the icons of its items are loaded."""
     items = [(*item[:3], icons.icon_of(item[0]), item[3]) for item in MODEL_ITEMS]
     PlausibleMaterial.__annotations__["model"] = bpy.props.EnumProperty(
         name="Model", description="Reflectance model. Parameters that both models have are kept", items=items,
@@ -154,11 +163,11 @@ CLASSES = (PlausibleMaterial,)
 
 
 def start():
-    """Give every material the properties."""
+    """Add the properties to all materials."""
     bpy.types.Material.plausible_brdf = bpy.props.PointerProperty(type=PlausibleMaterial)
 
 
 def stop():
-    """Take them back; values stay, as they are the sockets'."""
+    """Remove the properties. The values stay, as the sockets store them."""
     if hasattr(bpy.types.Material, "plausible_brdf"):
         del bpy.types.Material.plausible_brdf

@@ -1,7 +1,7 @@
 """The closures of base lobes, as Cycles evaluates them, and the families of models that share them.
 
-Most of a base is `phong_ramp`: its eight colours make it any function of the distance from its axis, and Cycles lets
-them be negative, so a few of them about the mirror direction follow nearly any lobe.
+Most base lobes are `phong_ramp`. Its eight colors make it any function of the distance from its axis, and Cycles allows
+negative colors, so a few ramps about the mirror direction follow nearly any lobe.
 """
 from dataclasses import dataclass
 
@@ -23,23 +23,24 @@ from ..closures import (
     VIEW_SLOPE_SHARE,
 )
 
-GRAZING = 0.3  # of the lobe's scale: how far the mean of N·L over a lobe at grazing lies above N·V
-FEATURES = (0.0, 0.8, 2.5)  # widths from the mirror direction towards the normal where the gain is read
+GRAZING = 0.3  # height of the mean of N·L over a lobe at grazing above N·V, in the lobe's widths
+FEATURES = (0.0, 0.8, 2.5)  # angles from the mirror direction to the normal where the gain is read, in widths
 HIGHEST = 1e5  # exponent at v = 0
-STEEPEST = np.radians(89.9)  # view
+STEEPEST = np.radians(89.9)  # angle of the steepest view
 
 
 @dataclass(frozen=True)
 class Ramp:
     """phong_ramp about the mirror direction turned by `lean` s towards the normal, and by `side` s out of the plane.
 
-    s = 1 / sqrt(m) is the lobe's width in radians, m * `sharp` the closure's exponent. With `side`, there are two,
-    one on each side, of the same colours. Colours count in units of 1 / mean N·L: the closure carries a cosine.
+    s = 1 / sqrt(m) is the lobe's width in radians, and m * `sharp` the closure's exponent. With a `side` there are two
+    closures of the same colors, one on each side. Colors are in units of 1 / mean N·L, as the closure has a cosine
+    factor.
 
-    Between two colours the closure is smooth, and at a colour it may have a kink, on a circle about its axis. A target
-    has its own kink, a crease, on the circle N·L = N·V about the normal. With `crease` the axis leans no further than
-    to the normal, and the exponent is the one that lays that colour's circle through the mirror direction: up to `lean`
-    widths from the normal, along the whole crease.
+    The closure is smooth between two colors, and may have a kink at a color, on a circle about its axis. A target has a
+    kink of its own, a crease, on the circle N·L = N·V about the normal. `crease` is the index of a color, or 0. With it
+    the axis leans at most to the normal, and the exponent is that for which the color's circle goes through the mirror
+    direction. Within `lean` widths of the normal the circle is the whole crease.
     """
 
     lean: float
@@ -49,6 +50,7 @@ class Ramp:
 
     @property
     def sides(self):
+        """`side` of each closure."""
         return (-self.side, self.side) if self.side else (0.0,)
 
 
@@ -56,8 +58,8 @@ class Ramp:
 class Facet:
     """Beckmann microfacets about the normal turned by `lean` s towards the view, alpha^2 = 2 / (4 m sharp), at most 1.
 
-    They are as oblong as a half-vector lobe, which round lobes follow badly at grazing. Weights, which cannot be
-    negative, count in units of the mean N·L.
+    They are as oblong as a half-vector lobe, which round lobes follow badly at grazing. Weights are in units of the
+    mean N·L, and cannot be negative.
     """
 
     lean: float
@@ -66,12 +68,12 @@ class Facet:
 
 @dataclass(frozen=True)
 class Family:
-    """The closures that serve all models of one lobe.
+    """The closures for all models of one lobe.
 
-    With `plain`, phong_ramp itself is f_0 (N·L), and only the residual is fitted. Nodes are even in v = n^-power and in
-    u = (w / (1 + w) + theta / (pi/2)) / 2, w = tan(theta) / sqrt(m): the slope at the crease, in parts of the lobe's
-    width, goes with w, and the shape of what is around it with theta. `ridge` counts on the squares of coefficients:
-    those of neighbouring nodes then go together, and may be blended.
+    With `plain`, phong_ramp itself is f_0 (N·L), and only the difference is fitted. There are `u_nodes` times `v_nodes`
+    nodes, even in v = n^-power and in u = (w / (1 + w) + theta / (pi/2)) / 2, w = tan(theta) / sqrt(m). The slope at
+    the crease, in parts of the lobe's width, depends on w, and the lobe's shape around the crease on theta. `ridge` is
+    the penalty of the squares of coefficients: with it those of neighboring nodes are similar, and may be interpolated.
     """
 
     lobe: object
@@ -84,17 +86,17 @@ class Family:
     ridge: float
 
     def phong_exponent(self, n):
-        """Exponent m of the Phong lobe that is as wide."""
+        """Exponent m of the Phong lobe of equal width."""
         return n if self.lobe is PHONG else PHONG_PER_HALF * n
 
     def width(self, mu_view, n):
-        """Width of the lobe where it is narrowest, in radians: a half-vector lobe's shrinks with N·V, across."""
+        """Least width of the lobe in radians: across the plane of incidence a half-vector lobe's shrinks with N·V."""
         s = 1.0 / np.sqrt(self.phong_exponent(n))
         return s if self.lobe is PHONG else s * min(mu_view + GRAZING_WIDTH * s, 1.0)
 
     @property
     def columns(self):
-        """Coefficients of one gain: the ramps' colours, then the facets' weights."""
+        """Number of coefficients of one gain: the ramps' colors, then the facets' weights."""
         return LEVELS * len(self.ramps) + len(self.facets)
 
 
@@ -108,9 +110,9 @@ FAMILIES = {
 
 
 def axis_of(ramp: Ramp, theta, m):
-    """(angle by which the axis leans in radians, exponent of the closure) for a view at `theta`, 0..pi/2.
+    """(lean of the axis in radians, exponent of the closure) for a view at `theta`, 0..pi/2.
 
-    `m` is the exponent of the Phong lobe that is as wide, 1/4 or more. Leaning is held back near the horizons: Cycles
+    `m` is the exponent of the Phong lobe of equal width, 1/4 or more. The lean is limited near the horizons: Cycles
     bends closures that mirror into the surface.
     """
     s, height = 1.0 / np.sqrt(m), 0.5 * np.pi - theta
@@ -122,13 +124,13 @@ def axis_of(ramp: Ramp, theta, m):
 
 
 def ramp(ramp: Ramp, view, light, m):
-    """Value (N, LEVELS) of a phong_ramp (N·L included) per colour, in units of 1 / mean N·L; view (3,), lights (N, 3).
+    """Value (N, LEVELS) of a phong_ramp (N·L included) per color, in units of 1 / mean N·L; view (3,), lights (N, 3).
 
-    (e+2)/(2 pi) (R·L)^e (N'·L) times the colour at (R·L)^e, which Cycles interpolates between LEVELS equidistant ones.
+    (e+2)/(2 pi) (R·L)^e (N'·L) times the color at (R·L)^e, which Cycles interpolates between LEVELS equidistant ones.
     """
     s, theta = 1.0 / np.sqrt(m), np.arctan2(view[0], view[2])
     lean, e = axis_of(ramp, theta, m)
-    # With `crease` the exponent is large where the circle is small: the colours are scaled to be of the same effect.
+    # With `crease` the exponent is large where the circle is small: scaled colors have the same effect.
     height = (m if ramp.crease else e) + 2.0
     total = 0.0
     for side in ramp.sides:
@@ -136,6 +138,7 @@ def ramp(ramp: Ramp, view, light, m):
         axis = np.array([turn * np.sin(lean - theta), np.sin(side * s), turn * np.cos(lean - theta)])
         facet = (axis + view) / np.linalg.norm(axis + view)
         power = np.maximum(light @ axis, 0.0) ** e
+        # The linear interpolation between colors: a hat function for each.
         hats = np.maximum(1.0 - np.abs((LEVELS - 1) * power[:, None] - np.arange(LEVELS)), 0.0)
         total = total + (height / (2.0 * np.pi) * power * np.maximum(light @ facet, 0.0))[:, None] * hats
     return total / (view[2] + GRAZING * s)
@@ -169,10 +172,10 @@ def columns(family: Family, view, light, m):
 
 
 def view_of(family: Family, u, v):
-    """(view (3,), exponent 1..HIGHEST) of the node at the coordinates `u`, `v`, 0..1, see `Family`."""
+    """(view (3,), exponent 1..HIGHEST) of the node at the coordinates `u` and `v`, both 0..1, see `Family`."""
     n = min(max(v, 1e-3) ** (-1.0 / family.power), HIGHEST)
     theta = np.linspace(0.0, STEEPEST, 10001)
-    # Inverted by interpolation between values that are even in theta and values that are even in w / (1 + w).
+    # u is inverted by interpolation. The values are even in theta, and besides even in w / (1 + w).
     w = np.linspace(0.0, 0.9999, 10001)
     theta = np.union1d(theta, np.minimum(np.arctan(w / (1.0 - w) * np.sqrt(family.phong_exponent(n))), STEEPEST))
     theta = np.interp(u, view_coordinate(family, theta, n), theta)
@@ -186,5 +189,5 @@ def view_coordinate(family: Family, theta, n):
 
 
 def feature_cosines(family: Family, theta, n):
-    """The cosines M where a shader reads the gain, shape (FEATURES,); the first is N·V."""
+    """The cosines M at which a shader reads the gain, shape (FEATURES,); the first is N·V."""
     return np.cos(np.maximum(theta - np.array(FEATURES) / np.sqrt(family.phong_exponent(n)), 0.0))

@@ -1,15 +1,17 @@
-"""The fit of base lobes: colours and weights of closures that together are nearly the target.
+"""The fit of base lobes: colors and weights of closures that together are nearly the target.
 
-The estimator (see `osl/include/estimator.h`) adds the residual of the base, of either sign, so the base decides noise,
-blur and cost, and hardly the mean.
+The estimator (see `osl/include/estimator.h`) adds the residual, target minus base, of either sign. So the base decides
+noise, blur and cost, and hardly the mean.
 
-The colours are linear in the gain of a target at a few cosines M (`FEATURES`), with coefficients that depend on the
-view angle and the exponent. Scaled by the lobe's width 1 / sqrt(m), m being the exponent of the equivalent Phong lobe,
-they change slowly with both; the shader interpolates between nodes of u, which stands for the view (see `Family`), and
-v, a power of n. At each node linear least squares find the coefficients whose residual gives the estimator least
-variance, for all gains in `GAINS`. That no sample be negative, it counts besides how far the base is below zero, and
-how far above the target beyond what holes, the negative kernels, take away, both squared: a convex problem, which a few
-rounds solve, each with the weights that the last one calls for.
+The colors are linear in the target's gain at a few cosines M (`FEATURES`). The coefficients depend on the view angle
+and the exponent. Scaled by the lobe's width 1 / sqrt(m), m being the exponent of the equivalent Phong lobe, they change
+slowly with both. The shader interpolates between nodes of u, a coordinate of the view (see `Family`), and v, a power of
+n.
+
+At each node linear least squares find the coefficients for which the estimator's variance is least, over all gains in
+`GAINS`. Besides, no sample may be negative. So there are two penalties, both squared: the depth of the base below zero,
+and its height above the target where negative kernels cannot take it away. The problem is convex. A few rounds of
+reweighted least squares solve it.
 """
 import json
 from dataclasses import asdict
@@ -25,11 +27,12 @@ from .targets import GAINS, lights, targets
 
 FILE = "base_lobes.json"
 
-DRAWN = 0.6  # exponent of the lobe that kernels are sampled from, in parts of n: wider, as the residual is
-FAINTEST = 1e-3  # of that lobe's peak, added to it: far out on the lobe nothing is ever sampled
-NEGATIVE_RADIUS = 0.4  # radius of the widest holes, which are kernels that take away, in parts of the lobe's width
-ABOVE, BELOW = 30.0, 1e4  # what more it counts to be above the target by more than holes take away, and below zero
-ROUNDS = 8
+DRAWN = 0.6  # exponent of the lobe that kernels are sampled from, in parts of n: it is wider, as the residual is
+FAINTEST = 1e-3  # part of that lobe's peak that is added to it: kernels are hardly ever sampled far out
+NEGATIVE_RADIUS = 0.4  # radius of the widest negative kernels, in parts of the lobe's width
+# Penalties, the residual counting 1: above the target by more than negative kernels take away, and below zero.
+ABOVE, BELOW = 30.0, 1e4
+ROUNDS = 8  # rounds of reweighting
 
 
 def fit_node(family: Family, u, v):
@@ -37,6 +40,7 @@ def fit_node(family: Family, u, v):
 
     `u` and `v` are its coordinates, 0..1, see `Family`. Needs SciPy.
     """
+    # Targets and closures at the same lights, in parts of each target's energy.
     view, n = view_of(family, u, v)
     light, share = lights(family, view, n)
     features, goal, whole = targets(family, view, light, n)
@@ -46,14 +50,16 @@ def fit_node(family: Family, u, v):
     drawn = family.lobe.pdf(np.broadcast_to(view, light.shape), light, DRAWN * n)
     # The kernels' variance is the integral of the squared residual over the density that they are sampled with.
     weight = share * (share @ drawn) / (drawn + FAINTEST * drawn.max())
-    # What a hole takes away (see estimator.h) of a base as high as the target; a fifth of it, as its edge is blurred.
+    # The value that a negative kernel (see estimator.h) can take away from a base as high as the target. A fifth of it
+    # counts, as the kernel's edge is blurred.
     radius = np.minimum(NEGATIVE_RADIUS * family.width(view[2], n), np.maximum(light[:, 2], 0.0) / NEGATIVE_EDGE)
     taken = 0.2 * np.pi * radius**2 * drawn * whole
+    # Rounds of reweighted least squares.
     weights, goals = np.tile(weight, (len(GAINS), 1)), goal
     for _ in range(ROUNDS):
         coefficients = _solve(family, features, goals, closures, weights, share)
         residual = goal - features @ coefficients @ closures.T
-        # Besides residual^2 there count ABOVE (-residual - taken)^2 and BELOW base^2, where the last round made them.
+        # The cost is residual^2, plus ABOVE (-residual - taken)^2 and BELOW base^2 where the last round violates these.
         above, below = -residual > taken, residual > whole
         goals = goal + np.where(above, ABOVE / (1.0 + ABOVE) * taken, 0.0)
         goals = np.where(below, goal - BELOW / (1.0 + BELOW) * whole, goals)
@@ -62,37 +68,40 @@ def fit_node(family: Family, u, v):
 
 
 def _solve(family, features, goals, closures, weights, share):
-    """Coefficients (FEATURES, columns) whose closures are nearest to `goals` (GAINS, N) with `weights` (GAINS, N)."""
+    """Coefficients (FEATURES, columns) whose closures are nearest to `goals` (GAINS, N), with `weights` (GAINS, N)."""
     from scipy.optimize import lsq_linear
 
+    # Closures without any energy at these lights have no coefficient.
     used = share @ closures > 1e-12
     seen = closures[:, used]
-    # Coefficient c of feature f counts features[g, f] seen[:, c] in the goal of gain g.
+    # Normal equations. Coefficient c of feature f adds features[g, f] seen[:, c] to the sum of gain g.
     square = sum(np.kron(np.outer(f, f), seen.T * w @ seen) for f, w in zip(features, weights, strict=True))
     right = sum(np.kron(f, (w * goal) @ seen) for f, w, goal in zip(features, weights, goals, strict=True))
+    # Their Cholesky factor gives an equal problem of few rows. Facets' weights are not negative.
     root = np.linalg.cholesky(square / len(GAINS) + family.ridge * np.eye(len(square)))
     positive = np.tile(np.flatnonzero(used) >= LEVELS * len(family.ramps), len(FEATURES))
-    found = lsq_linear(root.T, np.linalg.solve(root, right / len(GAINS)),
-                       (np.where(positive, 0.0, -np.inf), np.inf), "bvls")
+    solution = lsq_linear(root.T, np.linalg.solve(root, right / len(GAINS)),
+                          (np.where(positive, 0.0, -np.inf), np.inf), "bvls")
     coefficients = np.zeros((len(FEATURES), family.columns))
-    coefficients[:, used] = found.x.reshape(len(FEATURES), -1)
+    coefficients[:, used] = solution.x.reshape(len(FEATURES), -1)
     return coefficients
 
 
 def _residual_sizes(features, size, energy):
-    """The size of each feature's residual (FEATURES,), so that a gain's sum is about its `size` (GAINS,).
+    """Sizes of the residual (FEATURES,): coefficients of features whose sum for each gain is about `size` (GAINS,).
 
-    In parts of the energy that the limit, the first of the gains, would have with the gain of the mirror direction.
+    They are in parts of the energy that the limit, the first of the gains, has with the mirror direction's gain.
     """
     from scipy.optimize import nnls
 
     features = features * energy[:, None]
-    # Features that no gain tells apart share the residual: none of them is to grow without bound.
+    # The ridge bounds the coefficients of features that are equal for all gains: they share the residual.
     ridge = 1e-2 * features.max() * np.eye(len(FEATURES))
     return nnls(np.concatenate([features, ridge]), np.append(size * energy / energy[0], np.zeros(len(FEATURES))))[0]
 
 
 def _fit_job(job):
+    """`fit_node` of a job, (family's id, index of u, index of v)."""
     from threadpoolctl import threadpool_limits
 
     family_id, i, j = job
@@ -102,24 +111,26 @@ def _fit_job(job):
 
 
 def fit(workers=None):
-    """Fit every node of every family and write the file, a generator that yields (nodes done, nodes in all).
+    """Fit every node of every family and write the file, a generator that yields (nodes done, all nodes).
 
     Needs SciPy and threadpoolctl. Raises OSError where the file cannot be written.
     """
-    # At normal incidence N.L is never the larger cosine and all gains are one: with `plain` nothing is left to fit.
+    # At normal incidence N.L is never the larger cosine, and all gains are 1: with `plain` there is nothing to fit.
     first = {name: 1 if family.plain else 0 for name, family in FAMILIES.items()}
     jobs = [(name, i, j) for name, family in FAMILIES.items() for i in range(first[name], family.u_nodes)
             for j in range(family.v_nodes)]
-    found = {family: {} for family in FAMILIES}
+    results = {family: {} for family in FAMILIES}
     for done, (job, result) in enumerate(zip(jobs, mapped(_fit_job, jobs, workers), strict=True), 1):
-        found[job[0]][job[1:]] = result
+        results[job[0]][job[1:]] = result
         yield done, len(jobs)
-    for name, nodes in found.items():
+    # There a node gets the numbers of the next view.
+    for name, nodes in results.items():
         nodes.update({(0, j): nodes[first[name], j] for j in range(FAMILIES[name].v_nodes)})
-    replace_text(tables.folder() / FILE, json.dumps(_document(found), indent=None, separators=(",", ":")) + "\n")
+    replace_text(tables.folder() / FILE, json.dumps(_document(results), indent=None, separators=(",", ":")) + "\n")
 
 
-def _document(found):
+def _document(results):
+    """The file's contents from {family: {(index of u, index of v): result of `fit_node`}}."""
     return {
         "about": "Cycles' closures near each target, by least squares, of plausible bake --base-lobes",
         "drawn": DRAWN, "hole": NEGATIVE_RADIUS, "grazing": GRAZING, "features": FEATURES,
@@ -128,7 +139,8 @@ def _document(found):
                 "ramps": [asdict(r) for r in family.ramps], "facets": [asdict(f) for f in family.facets],
                 "plain": family.plain, "u_nodes": family.u_nodes, "v_nodes": family.v_nodes,
                 "power": family.power, "stride": stride(family),
-                "table": [float(f"{x:.4g}") for at in sorted(found[name]) for x in _packed(family, *found[name][at])],
+                "table": [float(f"{x:.4g}") for node in sorted(results[name])
+                          for x in _packed(family, *results[name][node])],
             }
             for name, family in FAMILIES.items()
         },
@@ -136,14 +148,15 @@ def _document(found):
 
 
 def stride(family: Family):
-    """Vectors of three numbers that one gain of one node takes in the table."""
+    """Number of vectors, of three numbers each, of one gain of one node in the table."""
     return 3 * len(family.ramps) + -(-len(family.facets) // 3)
 
 
 def _packed(family, coefficients, residual):
-    """A node's numbers as the shader reads them: per gain, each ramp's LEVELS and one more, then the facets' weights.
+    """A node's numbers in the shader's order: per feature, each ramp's LEVELS and one more, then the facets' weights.
 
-    The ninth number of the first ramp is the size of the residual, the others' are 0; vectors are filled with 0.
+    The ninth number of the first ramp is the size of the residual; that of the others is 0. The last vector is padded
+    with 0.
     """
     rows = np.zeros((len(FEATURES), 3 * stride(family)))
     ramps, facets = len(family.ramps), len(family.facets)

@@ -9,13 +9,13 @@ from ...models.lobes import BLINN, PHONG
 from ..albedo.tabulated import TABULATED
 from .closures import Family, feature_cosines
 
-HORIZON = 48  # lights on the horizon
-# (pumps, control): whose gains the coefficients are made for; None is the limit, whose gain is 1.
+HORIZON = 48  # number of lights on the horizon
+# The targets of the fit, (pumps, control); None is the limit of pumping, whose gain is 1.
 GAINS = (None, (0.0, False), (0.5, True), (2.0, False), (4.0, False))
 
 
 def gains(family: Family, cosines, n):
-    """Gains M / D(M) at `cosines` M (N,), 0..1, one row for each of GAINS, shape (GAINS, N)."""
+    """Gains M / D(M) (GAINS, N) at `cosines` M (N,), 0..1, one row for each of GAINS."""
     light = np.stack([np.sqrt(1.0 - cosines**2), np.zeros_like(cosines), cosines], axis=-1)
     view = light * [-1.0, 1.0, 1.0]
     f0 = family.lobe.value(view, light, n)
@@ -33,9 +33,9 @@ def gains(family: Family, cosines, n):
 def lights(family: Family, view, n):
     """Light directions (N, 3) above the horizon and their solid angles (N,), over the target and all of its closures.
 
-    A half-vector lobe at grazing is oblong and leaves out much that round closures reach: half of the lights are spread
-    over it, half as over the Phong lobe that is as wide. A few lie on the horizon, where closures that lean may end
-    below zero.
+    A half-vector lobe at grazing is oblong, and round closures reach far beyond it. So half of the lights are spread
+    over it, and half over the Phong lobe of equal width. A few lie on the horizon, where leaning closures may be
+    negative.
     """
     light, angle = _lights(PHONG, view, family.phong_exponent(n))
     if family.lobe is BLINN:
@@ -48,10 +48,11 @@ def lights(family: Family, view, n):
 
 def _lights(lobe, view, n, rings=40, around=24):
     """Lights and solid angles on rings about the axis of a lobe, on one side of the plane of incidence."""
+    # Rings at the angle delta from the mirror direction; for half-vector lobes the half vector turns by delta / 2.
     theta = np.arccos(view[2])
     reach = min(1.4 * lobe.reach(n, 1e-5), np.pi - 1e-3)
     delta = reach * (np.arange(rings) + 0.5) / rings
-    # Both lobes: N·L = cos(delta) cos(theta) + sin(delta) sin(theta) cos(phi), see the azimuth of the horizon.
+    # Each ring ends at the horizon. For both lobes N·L = cos(delta) cos(theta) + sin(delta) sin(theta) cos(phi).
     a, b = np.cos(delta) * np.cos(theta), np.maximum(np.sin(delta) * np.sin(theta), 1e-12)
     end = np.arccos(np.clip(-a / b, -1.0, 1.0))
     phi = (end[:, None] * (np.arange(around) + 0.5) / around).ravel()
@@ -68,11 +69,16 @@ def _lights(lobe, view, n, rings=40, around=24):
 
 
 def targets(family, view, light, n):
-    """Features (GAINS, FEATURES) and f (N·L) (GAINS, N) less what the shader gives to phong_ramp; all of f (N·L)."""
+    """(features (GAINS, FEATURES), targets (GAINS, N), f (N·L) (GAINS, N)) at a view (3,) and lights (N, 3).
+
+    With `plain`, features and targets are without the part that is exactly a multiple of phong_ramp.
+    """
+    # f_0, and the gain at the larger cosine of view and light.
     theta, mu = np.arccos(view[2]), np.maximum(light[:, 2], 0.0)
     lobe = family.lobe.value(np.broadcast_to(view, light.shape), light, n)
     fine = np.cos(np.linspace(theta, 0.0, 400))
     gain = np.array([np.interp(np.maximum(mu, view[2]), fine, row) for row in gains(family, fine, n)])
+    # The gain at the features. With `plain` its least slope over M is the multiple of phong_ramp.
     at = feature_cosines(family, theta, n)
     features, whole = gains(family, at, n), lobe * np.minimum(1.0, mu / view[2]) * gain
     slope = (features / at).min(axis=1, keepdims=True) if family.plain else 0.0

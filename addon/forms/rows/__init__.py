@@ -1,17 +1,17 @@
 """Lobe rows: the form in which any formula renders.
 
-A formula whose parameters are fixed is a function of view and light. For each of a set of views, a row, it is split
-over the half vectors H, where a lobe hardly moves as the view does:
+A formula with fixed parameters is a function of view and light. A row is the formula at one of a set of views. It is a
+function of the half vector H, as a lobe over H hardly moves with the view, and has two parts:
 
-- a base: Beckmann microfacets and a diffuse closure, which the renderer evaluates, fitted to the formula from below;
-- the residual: the difference, in cells of about equal energy. At a hit a shader samples some of the cells, in each a
-  half vector, and puts a kernel about it, a narrow facet.
+- The base: Beckmann microfacets and a diffuse closure, which the renderer evaluates. The fit is from below.
+- The residual: the formula minus the base, in cells of about equal energy. At a hit a shader samples some of the cells,
+  and in each a half vector. It puts a kernel, a narrow facet, about the half vector.
 
-Between two rows a shader takes either by chance, in proportion to how near it is. The expected value is the linear
-interpolation between them. Where the base is above the formula nothing can take light away; as much is taken from the
-whole base, so that no row makes light.
+Between two rows a shader takes either at random, in proportion to how near it is. The expected value is the linear
+interpolation between the rows. The base's excess over the formula is taken from the whole base, as no closure takes
+light away. So no row makes light.
 
-`layout` says which views rows are for, `lobe_rows` holds their numbers, `view_slice` is a formula seen from one view,
-`facets`, `fit` and `residual` make a row of it, `row_bake` makes all rows of a model, `grid` those over ranges of
-driven parameters, and `error` measures how far rows are from their formula.
+`layout` has the views of rows, `lobe_rows` their numbers, and `view_slice` a formula seen from one view. `facets`,
+`fit` and `residual` make a row of a slice. `row_bake` makes all rows of a model, and `grid` the rows over ranges of
+driven parameters. `error` measures the error of rows.
 """

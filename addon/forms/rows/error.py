@@ -1,8 +1,8 @@
-"""How far what lobe rows show is from the formula, at views and values that none were made for.
+"""The error of lobe rows against their formula, at views and values between those of the bake.
 
-The shader's expected value is put together as the renderer does it: between rows, and between the steps of a driven
-parameter, the base of each in proportion to how near it is, and its cells, over each of which the energy is even. The
-blur of a kernel, which is about as large as a cell, is not in it.
+The expected value of the shader is computed as the renderer computes it. It is the mean of the rows, and of the steps
+of a driven parameter, that are next to the view and the value. Each row has its base, and its cells with an energy that
+is even over each cell. The blur of a kernel, which is about as large as a cell, does not count.
 """
 from dataclasses import dataclass
 
@@ -13,17 +13,17 @@ from .facets import row_facet_value
 from .layout import layout_of
 from .view_slice import ViewSlice
 
-VIEWS = 8  # angles, each halfway between two rows
-STEEP = np.radians(80.0)  # up to here errors are summed up
-BETWEEN_STEPS = (0.0, 0.4, 0.8)  # of the rows: views that are looked at halfway between steps
+VIEWS = 8  # number of angles, each halfway between two rows
+STEEP = np.radians(80.0)  # errors are summed up to this angle of the view
+BETWEEN_STEPS = (0.0, 0.4, 0.8)  # views for errors halfway between steps, in parts of the rows up to STEEP
 
 
 @dataclass(frozen=True)
 class RowsError:
-    """Errors at views of the angles `theta` (views,) from the normal, in radians, in parts of the albedo there.
+    """Errors at the view angles `theta` (views,) from the normal, in radians. They are in parts of the albedo there.
 
-    `lobe` (views,) is the integral over all lights of the error of f (N·L), taken positive, and `albedo` (views,) the
-    error of the albedo, both of the channel in which they are largest.
+    `lobe` (views,) is the integral over all lights of the absolute error of f (N·L), and `albedo` (views,) the error of
+    the albedo with its sign, each in the channel where it is largest.
     """
 
     theta: np.ndarray
@@ -37,7 +37,7 @@ class RowsError:
 
 
 def error(model, parameters: dict) -> RowsError:
-    """The error of a model's lobe rows for its parameters, which are baked unless they are kept.
+    """The error of a model's lobe rows for its parameters {id: value}. The rows are baked unless they are cached.
 
     Raises ValueError as `row_bake.bake`.
     """
@@ -45,10 +45,11 @@ def error(model, parameters: dict) -> RowsError:
 
 
 def largest(model, parameters: dict, driven: dict | None = None) -> tuple:
-    """The largest errors (lobe, albedo) up to 80 degrees, over the ranges of `driven` parameters.
+    """The largest errors (lobe, albedo) up to 80 degrees, over the ranges `driven`, {id: (least, most)}.
 
-    Between views these are at both ends and in the middle of their ranges, all together; halfway between two steps of
-    one the others are in the middle. A spike is not looked at. Raises ValueError as `grid.bake`.
+    Errors between views are measured with all driven parameters at the least value, in the middle, and at the most.
+    Errors halfway between two steps of a parameter are measured with the others in the middle. A spike does not count.
+    Raises ValueError as `grid.bake`.
     """
     if not driven:
         return error(model, parameters).largest()
@@ -58,7 +59,7 @@ def largest(model, parameters: dict, driven: dict | None = None) -> tuple:
         return {**parameters, **{axis.parameter.id: axis.value(step)
                                  for axis, step in zip(baked.ranges, steps, strict=True)}}
 
-    # At nodes: both ends and the middle.
+    # At nodes of the grid: both ends and the middle.
     middle = [axis.steps // 2 for axis in baked.ranges]
     corners = [[0] * len(middle), middle, [axis.steps - 1 for axis in baked.ranges]]
     errors = [_of_one(baked.at(steps), model, model.resolve(values_at(steps))).largest() for steps in corners]
@@ -67,20 +68,20 @@ def largest(model, parameters: dict, driven: dict | None = None) -> tuple:
         for step, value in enumerate(axis.halfway):
             nodes = [baked.at([*middle[:index], step + up, *middle[index + 1 :]]) for up in (0, 1)]
             errors += _between_nodes(nodes, model, model.resolve({**values_at(middle), axis.parameter.id: value}))
-    return tuple(float(np.abs(part).max()) for part in zip(*errors, strict=True))
+    return tuple(float(np.abs(values).max()) for values in zip(*errors, strict=True))
 
 
 def _between_nodes(nodes, model, p):
-    """(lobe, albedo) errors at a value halfway between those of two nodes of a grid, at views of rows."""
+    """(lobe, albedo) errors at views of rows, an iterator. `p` is halfway between the values of two `nodes`."""
     layout = nodes[0].layout
     steep = (layout.view_angles() <= STEEP).sum()
-    for index in (int(part * steep) for part in BETWEEN_STEPS):
+    for index in (int(share * steep) for share in BETWEEN_STEPS):
         view_slice = ViewSlice.at(model, p, layout.view_directions()[index], layout_of(model, p, layout))
         yield _error_of([(rows, index) for rows in nodes], view_slice)
 
 
 def _of_one(rows, model, p):
-    """`error` of the lobe rows of one node."""
+    """The `RowsError` of the lobe rows of one node: at each angle the worst azimuth."""
     layout = rows.layout
     first = np.floor(np.linspace(0.0, layout.views - 2, VIEWS)).astype(int)
     theta = layout.angle_at(first + 0.5)
@@ -92,7 +93,7 @@ def _of_one(rows, model, p):
 
 
 def _between_rows(rows, model, p, index, theta, turn):
-    """(lobe, albedo) errors at the angle `theta`, halfway from a row to the next, and from an azimuth to the next."""
+    """(lobe, albedo) errors halfway from a row to the next, at the angle `theta`, and from an azimuth to the next."""
     layout = rows.layout
     turns = [turn, turn + 1] if layout.azimuths > 1 else [0]
     across = layout.view_directions().reshape(layout.azimuths, layout.views, 3)[turns, -1].sum(axis=0)[:2]
@@ -102,16 +103,16 @@ def _between_rows(rows, model, p, index, theta, turn):
 
 
 def _error_of(near, view_slice):
-    """(lobe, albedo) errors of the mean of rows, `near` [(LobeRows, index)], against the slice of a view."""
-    mean = sum(_shown(rows, index, view_slice) for rows, index in near) / len(near)
+    """(lobe, albedo) errors of the mean of the rows `near`, [(LobeRows, index)], against a view's slice."""
+    mean = sum(_row_density(rows, index, view_slice) for rows, index in near) / len(near)
     off = (mean - view_slice.density) * view_slice.area[..., None]
     whole = np.maximum((view_slice.density * view_slice.area[..., None]).sum(axis=(0, 1)), 1e-12)
     albedo = off.sum(axis=(0, 1)) / whole
     return (np.abs(off).sum(axis=(0, 1)) / whole).max(), albedo[np.abs(albedo).argmax()]
 
 
-def _shown(rows, index, view_slice):
-    """What a row shows on the grid of a slice of another view: (RINGS, turns, channels), as `ViewSlice.density`."""
+def _row_density(rows, index, view_slice):
+    """A row's density on the grid of another view's slice: (RINGS, turns, channels), as `ViewSlice.density`."""
     row, channels = rows.row(index), rows.channels
     total = view_slice.light[..., 2:] / np.pi * row.diffuse[:channels]
     for slopes, widths, colour in row.facets.each():

@@ -1,16 +1,16 @@
-"""The microfacets of a base, as Cycles evaluates them."""
+"""The microfacets of a row's base, as Cycles evaluates them."""
 import numpy as np
 
 from ...models.microfacet import beckmann_lambda
 
-LEAST_HEIGHT = 0.05  # of the mirrored view over the horizon, in parts of the view's, for a facet to be of use
+LEAST_HEIGHT = 0.05  # least height of the view's mirror direction by a useful facet, in parts of the view's height
 
 
 def facet_value(slopes, widths, view, light) -> np.ndarray:
     """f (N·L) in 1/sr of Cycles' Beckmann closure, (...), at one `view` (3,) and lights (..., 3).
 
-    The facet's normal leans by `slopes` (2,), and it has the `widths` (2,) along x and y; its own masking and shadowing
-    are by a rational fit. Source: Walter et al. 2007, eq. 20, 25.
+    The facet's normal leans by `slopes` (2,), and the facet has the `widths` (2,) along x and y. Masking and shadowing
+    use a rational fit. Source: Walter et al. 2007, eq. 20, 25.
     """
     # The facet's own frame: its normal, and the axes that Cycles derives from the tangent x.
     normal = np.array([*slopes, 1.0]) / np.sqrt(1.0 + slopes[0] ** 2 + slopes[1] ** 2)
@@ -29,14 +29,15 @@ def facet_value(slopes, widths, view, light) -> np.ndarray:
 
 
 def _lambda(direction, widths):
+    """Smith's Lambda of directions (..., 3) in a facet's own frame."""
     slope2 = sum((direction[..., i] * widths[i]) ** 2 for i in (0, 1)) / np.maximum(direction[..., 2] ** 2, 1e-12)
     return beckmann_lambda(slope2)
 
 
 def row_facet_value(layout, view, slopes, widths, light) -> np.ndarray:
-    """`facet_value` of a row's facet; of a round formula's off the plane of incidence, that of the pair it stands for.
+    """`facet_value` of a row's facet, or of a pair.
 
-    The other of a pair leans to the other side of the plane.
+    A facet of a round formula off the plane of incidence stands for a pair. The other facet leans to the other side.
     """
     value = facet_value(slopes, widths, view, light)
     if slopes[1] and layout.azimuths == 1:
@@ -45,6 +46,6 @@ def row_facet_value(layout, view, slopes, widths, light) -> np.ndarray:
 
 
 def is_useful(view, slopes) -> bool:
-    """Whether a facet mirrors the `view` (3,) above the horizon: Cycles bends the normals of others until they do."""
+    """Whether a facet's mirror direction of the `view` (3,) is above the horizon: Cycles bends the normals of others."""
     normal = np.array([*slopes, 1.0]) / np.sqrt(1.0 + slopes[0] ** 2 + slopes[1] ** 2)
     return 2.0 * (normal @ view) * normal[2] - view[2] > LEAST_HEIGHT * view[2]

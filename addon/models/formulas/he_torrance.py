@@ -111,7 +111,10 @@ def spike(mu, p):
 
 
 def slope(p):
-    """The sampler's slope: 2 sigma/tau of rough surfaces, wavelength/(pi tau) by diffraction of smooth ones."""
+    """The sampler's slope, clamped to [0.01, 1]: 4 sigma/tau of rough surfaces, wavelength/(pi tau) of smooth ones.
+
+    That is twice the lobe's slope: by the facets, 2 sigma/tau, or by diffraction, wavelength/(2 pi tau).
+    """
     g = min((4.0 * np.pi * p["sigma"] / p["wavelength"]) ** 2, 1e6)
     return float(np.clip(p["wavelength"] / (np.pi * p["tau"]) * np.sqrt(max(g, 1.0)), 0.01, 1.0))
 

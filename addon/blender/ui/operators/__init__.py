@@ -1,1 +1,1 @@
-"""Operators, one feature a file."""
+"""Operators, one file for each feature."""

@@ -1,4 +1,4 @@
-"""The choice of what renders a material."""
+"""The operator that chooses the backend of a material."""
 import bpy
 
 from ... import backend as backends

@@ -1,4 +1,4 @@
-"""What operators share: reports of what went wrong, the material shown, polls."""
+"""Shared parts of operators: error reports, the shown material, polls."""
 import functools
 
 import bpy
@@ -8,7 +8,7 @@ from ...material import groups
 
 
 def reporting(execute):
-    """An operator's `execute` that reports what a user or a file can get wrong, and is then cancelled."""
+    """Wraps an operator's `execute`: RuntimeError, ValueError and OSError are reported, and cancel the operator."""
     @functools.wraps(execute)
     def reported(self, context):
         try:
@@ -21,7 +21,7 @@ def reporting(execute):
 
 
 def material_of(context):
-    """The material that a material tab or shader editor shows; None when it shows none."""
+    """The material in the material tab or shader editor of the context; None without one."""
     space = context.space_data
     if space is not None and space.type == "NODE_EDITOR":
         return space.id if isinstance(space.id, bpy.types.Material) else None
@@ -29,22 +29,22 @@ def material_of(context):
 
 
 def plausible_node(material):
-    """(node, model) of a material made here; (None, None) for any other."""
+    """(node, model) of a Plausible material; (None, None) for any other."""
     node = groups.find_node(material)
     model = groups.model_of(node) if node else None
     return (node, model) if model else (None, None)
 
 
 def renders_here(cls, backend=backends.DEFAULT) -> bool:
-    """Whether this Blender runs a backend, for an operator's poll; where not, the button's tooltip tells why."""
-    hindrances = backend.why_not()
-    if hindrances:
-        cls.poll_message_set(hindrances[0].text)
-    return not hindrances
+    """Whether this Blender runs a backend, for an operator's poll. If not, the button's tooltip gives the reason."""
+    notices = backend.why_not()
+    if notices:
+        cls.poll_message_set(notices[0].text)
+    return not notices
 
 
 class OnMaterial:
-    """An operator that changes the material shown, and can be undone."""
+    """Base of operators that change the shown material and can be undone."""
 
     bl_options = {"REGISTER", "UNDO"}
 

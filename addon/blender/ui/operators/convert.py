@@ -1,4 +1,4 @@
-"""Turning a material into another model whose lobe is as wide."""
+"""Conversion of a material to another model, with the same width of its lobe."""
 import bpy
 
 from ....models import MODELS
@@ -24,32 +24,32 @@ class PLAUSIBLE_OT_convert(OnMaterial, bpy.types.Operator):
     def execute(self, context):
         material = material_of(context)
         lost = materials.unplugged(material, self.model)
-        found = materials.convert(material, self.model)
-        complaints = _complaints(found, lost)
-        self.report({"WARNING"} if complaints else {"INFO"}, ". ".join([_matched(found), *complaints]))
+        match = materials.convert(material, self.model)
+        losses = _losses(match, lost)
+        self.report({"WARNING"} if losses else {"INFO"}, ". ".join([_summary(match), *losses]))
         return {"FINISHED"}
 
 
-def _matched(found):
-    """What a conversion gives, in a line: how wide the lobe is and by which parameters."""
-    target = MODELS[found.target]
-    values = ", ".join(f"{target.parameter(name).label} {found.parameters[name]:.4g}" for name in target.widths)
-    narrow, wide = min(found.half_angles), max(found.half_angles)
-    angles = f"{narrow:.3g}°" if wide < 1.001 * narrow else f"{found.half_angles[0]:.3g}° × {found.half_angles[1]:.3g}°"
+def _summary(match):
+    """The result of a conversion in one line: the lobe's half-angles, and the parameters that determine them."""
+    target = MODELS[match.target]
+    values = ", ".join(f"{target.parameter(name).label} {match.parameters[name]:.4g}" for name in target.widths)
+    narrow, wide = min(match.half_angles), max(match.half_angles)
+    angles = f"{narrow:.3g}°" if wide < 1.001 * narrow else f"{match.half_angles[0]:.3g}° × {match.half_angles[1]:.3g}°"
     return f"{target.label}, half-angle {angles}: {values}".replace("inf°", "none")
 
 
-def _complaints(found, lost):
-    """What a conversion could not keep."""
-    source, target = MODELS[found.source], MODELS[found.target]
+def _losses(match, lost):
+    """Sentences on the properties that a conversion lost: width, parameters, and the links `lost`."""
+    source, target = MODELS[match.source], MODELS[match.target]
 
     def labels(model, names):
         return ", ".join(model.parameter(name).label for name in names)
 
-    wanted = " × ".join(f"{angle:.3g}°" for angle in dict.fromkeys(found.wanted))
+    width = " × ".join(f"{angle:.3g}°" for angle in dict.fromkeys(match.wanted))
     return [text for names, text in (
-        (found.held, f"{labels(target, found.held)} ends before the width of {source.label}, {wanted}"),
-        (found.dropped, f"{target.label} has no {labels(source, found.dropped)}"),
+        (match.held, f"{labels(target, match.held)} ends before the width of {source.label}, {width}"),
+        (match.dropped, f"{target.label} has no {labels(source, match.dropped)}"),
         (lost, f"Links are lost of {', '.join(lost)}"),
     ) if names]
 

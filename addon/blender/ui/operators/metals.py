@@ -1,4 +1,4 @@
-"""Colors and optical constants of metals."""
+"""The operator and the menu that set a metal's color and optical constants."""
 import bpy
 
 from ....library.metals import METALS
@@ -6,6 +6,7 @@ from ...material import materials
 from .common import OnMaterial, material_of, plausible_node, reporting
 
 _ITEMS = [(name, metal.label, metal.reference, i) for i, (name, metal) in enumerate(METALS.items())]
+
 
 class PLAUSIBLE_OT_set_metal(OnMaterial, bpy.types.Operator):
     """Set color, edge color, n and k to those of a metal; the choice of Fresnel stays"""

@@ -1,4 +1,4 @@
-"""A new material on the active object."""
+"""The operator that adds a new material to the active object."""
 import bpy
 
 from ....models import MODELS
@@ -39,7 +39,7 @@ class PLAUSIBLE_OT_new_material(bpy.types.Operator):
 
 
 def _put_on(thing, material):
-    """Put the material into the object's active slot, or into a first slot where it has none."""
+    """Assign the material to the object's active slot, or to a new slot where it has none."""
     if not thing.material_slots:
         thing.data.materials.append(material)
     else:

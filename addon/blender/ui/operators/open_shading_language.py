@@ -1,4 +1,4 @@
-"""Switching Open Shading Language on."""
+"""The operator that switches Open Shading Language on."""
 import bpy
 
 from ... import backend as backends

@@ -1,4 +1,4 @@
-"""Presets: materials by name."""
+"""The operator and the menus that apply presets."""
 import bpy
 
 from ....library.presets import PRESETS
@@ -7,6 +7,7 @@ from .. import icons
 from .common import OnMaterial, material_of, reporting
 
 _ITEMS = [(name, preset.label, preset.help, i) for i, (name, preset) in enumerate(PRESETS.items())]
+
 
 class PLAUSIBLE_OT_apply_preset(OnMaterial, bpy.types.Operator):
     """Turn the material into a preset: its model and all of its parameters; what is plugged in stays"""
@@ -38,7 +39,7 @@ class PLAUSIBLE_MT_presets(bpy.types.Menu):
 
 
 class _OfGroup:
-    """A menu of the presets of one group."""
+    """Base of the menus with the presets of one group, whose name is the label."""
 
     def draw(self, context):
         for name, preset in PRESETS.items():
@@ -48,6 +49,7 @@ class _OfGroup:
 
 
 def _group_menus():
+    """A menu class for each group of presets."""
     groups = dict.fromkeys(preset.group for preset in PRESETS.values())
     return tuple(type(name, (_OfGroup, bpy.types.Menu), {"bl_idname": name, "bl_label": group})
                  for group in groups for name in [f"PLAUSIBLE_MT_presets_{group.lower().replace(' ', '_')}"])

@@ -1,13 +1,15 @@
-"""The material before pumping and after it."""
+"""The operator that compares a material before and after pumping."""
 import bpy
 
 from ...material import materials, sockets
 from .common import OnMaterial, material_of, plausible_node, reporting
 
-_PUMPS_KEY = "plausible_pumps"  # of a node: its pumps while it shows the model before pumping
+# Custom property of a node: its value of Pumps while it shows the model before pumping.
+_PUMPS_KEY = "plausible_pumps"
+
 
 def shows_before(node) -> bool:
-    """Whether a node shows its model before pumping, to compare."""
+    """Whether a node shows its model before pumping, for comparison."""
     return isinstance(node.get(_PUMPS_KEY), int | float)
 
 
@@ -23,6 +25,7 @@ class PLAUSIBLE_OT_compare_pumping(OnMaterial, bpy.types.Operator):
         now = sockets.values(node)
         if "pumps" not in now:
             raise ValueError(f"{model.label} is not pumped: there is nothing to compare")
+        # Restore the stored number of pumps, or store it and show 0 pumps.
         if shows_before(node):
             pumps = node[_PUMPS_KEY]
             del node[_PUMPS_KEY]

@@ -1,4 +1,4 @@
-"""A fresh node in the place of one that was edited."""
+"""The operator that replaces edited nodes which no longer work."""
 import bpy
 
 from ...material import repair

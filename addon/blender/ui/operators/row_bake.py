@@ -1,4 +1,4 @@
-"""Baking the rows of a material, and ending that."""
+"""The operators that bake a material's lobe rows and cancel the bake."""
 import bpy
 
 from ...material import baked_state, row_jobs

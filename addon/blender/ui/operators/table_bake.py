@@ -1,4 +1,4 @@
-"""Baking the albedo tables: the dialog that asks which, how fine and for which exponents, and the bake itself."""
+"""The operators that bake albedo tables: a dialog for models, resolution and exponents, and the bake itself."""
 import bpy
 
 from ....forms.albedo import bake, sizes, tables, tabulated
@@ -7,6 +7,7 @@ from ...host import table_folder, table_job
 from ...host.redraw import redraw
 
 _TICK = 0.1  # seconds between two looks at a bake
+# Items of the flags for models: (id, label, names of tables, bit).
 _MODEL_ITEMS = [(model.id, model.label, ", ".join(name.replace("_", " ") for name in tabulated.tables_of(model)),
                  1 << i)
                 for i, model in enumerate(sizes.readers())]
@@ -15,7 +16,7 @@ _RESOLUTION_ITEMS = [(name, chosen.label, chosen.help[0].upper() + chosen.help[1
 
 
 class _Choice:
-    """What to bake, and how; the properties of both operators."""
+    """The properties of both operators: which tables to bake, and how."""
 
     models: bpy.props.EnumProperty(
         name="Models", description="The models whose tables are baked", items=_MODEL_ITEMS,
@@ -38,7 +39,7 @@ class _Choice:
         return True
 
     def chosen(self):
-        """(names of tables, sizes.Size). Raises ValueError that says what is not allowed."""
+        """(names of tables, sizes.Size). Raises ValueError for an invalid choice."""
         if not self.models:
             raise ValueError("No model is chosen: there is nothing to bake")
         return (sizes.tables_of(m.id for m in sizes.readers() if m.id in self.models),
@@ -68,7 +69,7 @@ class PLAUSIBLE_OT_choose_bake(_Choice, bpy.types.Operator):
             lines.label(text=text, icon=icon)
 
     def execute(self, context):
-        # A dialog's operator cannot go on being modal: another one does what it asked for.
+        # The operator of a dialog cannot become modal, so another operator bakes.
         try:
             self.chosen()
             bpy.ops.plausible.bake_luts("INVOKE_DEFAULT", models=self.models, resolution=self.resolution,
@@ -80,16 +81,18 @@ class PLAUSIBLE_OT_choose_bake(_Choice, bpy.types.Operator):
 
 
 def cost_texts(choice) -> list:
-    """[(line, icon)]: what a bake costs and gives, or what is wrong with the choice."""
+    """[(line, icon)]: size, time and accuracy of a bake, or the error of an invalid choice."""
     try:
         names, size = choice.chosen()
     except ValueError as error:
         return [(str(error)[:1].upper() + str(error)[1:], "ERROR")]
+    # Estimates of size, time and interpolation error.
     baked = [sizes.sized(tables.TABLES[name], size) for name in names]
     kilobytes = sum(map(sizes.bytes_of, baked)) / 1000.0
     seconds = sum(map(sizes.seconds_of, baked))
     bound = 100.0 * sizes.bound(size.resolution, bake.INTERPOLATION_BOUND)
     inexact = size.resolution == "draft"
+    # The lines.
     lines = [(f"{len(baked)} tables, {kilobytes:.0f} KB, about {seconds:.0f} s; Blender stays usable", "TIME"),
              (f"{'Inexact: albedos' if inexact else 'Albedos'} within {bound:.2g} %; it is measured",
               "ERROR" if inexact else "CHECKMARK")]
@@ -127,19 +130,20 @@ class PLAUSIBLE_OT_bake_luts(_Choice, bpy.types.Operator):
         return self._end()
 
     def execute(self, context):
-        """Bake to the end before returning: for scripts and background mode, where nothing is modal."""
+        """Bake completely before returning: for scripts and background mode, where no operator is modal."""
         if not self._start():
             return {"CANCELLED"}
         table_job.job.wait()
         return self._end()
 
     def cancel(self, context):
-        """Blender ends the operator, as when another file is opened."""
+        """Cancel the bake when Blender ends the operator, as when another file is opened."""
         if table_job.job is not None:
             table_job.job.cancel()
         self._leave(context)
 
     def _start(self):
+        """Start the job. Returns whether it started, and reports an error otherwise."""
         try:
             table_job.job = table_job.BakeJob(*self.chosen())
             table_job.job.start()
@@ -152,6 +156,7 @@ class PLAUSIBLE_OT_bake_luts(_Choice, bpy.types.Operator):
         return True
 
     def _leave(self, context):
+        """Remove the timer, the progress and the status text."""
         context.window_manager.event_timer_remove(self._timer)
         context.window_manager.progress_end()
         if context.workspace is not None:
@@ -159,6 +164,7 @@ class PLAUSIBLE_OT_bake_luts(_Choice, bpy.types.Operator):
         redraw()
 
     def _end(self):
+        """Use the new tables, report the result, and return the operator's result."""
         table_folder.choose_folder()
         if table_job.job.error is not None:
             self.report({"ERROR"}, f"The bake failed: {in_words(table_job.job.error)}. Tables that were not complete "
@@ -172,14 +178,14 @@ class PLAUSIBLE_OT_bake_luts(_Choice, bpy.types.Operator):
 
 
 def in_words(error) -> str:
-    """What an error says, without its number."""
+    """An error's message, without its error number."""
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
     return str(error)
 
 
 def finished_text(job) -> str:
-    """What a bake has done, and how exact it is."""
+    """The report of a finished bake, with the measured error."""
     errors = [tables.stated_error(name) for name in job.names if table_folder.problem([name]) is None]
     measured = f", within {100.0 * max(errors):.2g} % between nodes" if errors and None not in errors else ""
     draft = " Drafts are inexact, for a look only." if job.size.resolution == "draft" else ""
@@ -188,7 +194,7 @@ def finished_text(job) -> str:
 
 
 def described(name) -> tuple:
-    """(line, whether it is inexact) of a table in use: what it is called, its axes and its measured error."""
+    """(line, whether it is inexact) of a table in use. The line has its name, resolution, axes and measured error."""
     table, error = tables.in_use(name), tables.stated_error(name)
     low, high = table.span
     within = "" if error is None else f", within {100.0 * error:.2g} %"
@@ -200,7 +206,7 @@ def described(name) -> tuple:
 
 
 def progress_text(job) -> str:
-    """What the bake is doing, for panel and status bar."""
+    """The progress of the bake, for panel and status bar."""
     if job.cancelling:
         return "Cancelling"
     left = f", {job.seconds_left:.0f} s left" if job.share > 0.1 else ""

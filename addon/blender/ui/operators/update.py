@@ -1,4 +1,4 @@
-"""Bringing all materials of a file up to this version, and up to the tables in use."""
+"""The operators that update all materials of a file to this version and to the tables in use."""
 import bpy
 
 from ...material import baked_state, groups, upgrade
@@ -17,8 +17,8 @@ class PLAUSIBLE_OT_upgrade(bpy.types.Operator):
         return renders_here(cls)
 
     def execute(self, context):
-        said = upgrade.upgrade_all() or "No node is of an earlier version"
-        self.report({"WARNING"} if upgrade.outdated() else {"INFO"}, said)
+        text = upgrade.upgrade_all() or "No node is of an earlier version"
+        self.report({"WARNING"} if upgrade.outdated() else {"INFO"}, text)
         return {"FINISHED"}
 
 
@@ -36,10 +36,10 @@ class PLAUSIBLE_OT_update_materials(bpy.types.Operator):
     @reporting
     def execute(self, context):
         upgrade.upgrade_all()
-        ours = [node for tree in groups.trees() for node in tree.nodes if groups.model_of(node) is not None]
-        for node in ours:
+        nodes = [node for tree in groups.trees() for node in tree.nodes if groups.model_of(node) is not None]
+        for node in nodes:
             baked_state.bake(node)
-        self.report({"INFO"}, f"{len(ours)} nodes updated")
+        self.report({"INFO"}, f"{len(nodes)} nodes updated")
         return {"FINISHED"}
 
 

@@ -1,4 +1,4 @@
-"""The width of a lobe by exponent or by roughness."""
+"""The operator that switches a lobe's width between exponent and roughness."""
 import bpy
 
 from .... import models
