@@ -106,7 +106,7 @@ def _fit_node(exponent, starts):
         outside = np.maximum(widths - WIDEST, 0.0) ** 2 + np.maximum(NARROWEST - widths, 0.0) ** 2
         return residual + OVER * excess + 100.0 * (outside.sum() + np.maximum(-shares, 0.0).sum())
 
-    # A search is repeated from its own result, as the simplex may have collapsed.
+    # Each search is repeated once from its own result.
     best = None
     for start in starts:
         for _ in range(2):

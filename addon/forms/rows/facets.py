@@ -46,6 +46,6 @@ def row_facet_value(layout, view, slopes, widths, light) -> np.ndarray:
 
 
 def is_useful(view, slopes) -> bool:
-    """Whether a facet's mirror direction of the `view` (3,) is above the horizon: Cycles bends the normals of others."""
+    """Whether a facet mirrors the `view` (3,) above the horizon: Cycles bends the normals of all other facets."""
     normal = np.array([*slopes, 1.0]) / np.sqrt(1.0 + slopes[0] ** 2 + slopes[1] ** 2)
     return 2.0 * (normal @ view) * normal[2] - view[2] > LEAST_HEIGHT * view[2]

@@ -131,7 +131,7 @@ def _densities(slices, candidates):
 
 
 def _slice_densities(view_slice, candidates):
-    """Densities (candidates + 1, RINGS, turns) of candidates, of both facets of a pair, and last of a diffuse closure."""
+    """Densities (candidates + 1, RINGS, turns) of candidates, pairs counting as one, and last of a diffuse closure."""
     jacobian = view_slice.jacobian
     densities = [row_facet_value(view_slice.layout, view_slice.view, slopes, widths, view_slice.light) * jacobian
                  for slopes, widths in candidates]

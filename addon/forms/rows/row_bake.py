@@ -1,4 +1,4 @@
-"""Baking lobe rows: all rows of a model for its parameters."""
+"""The bake of lobe rows: all rows of a model for its parameters."""
 from dataclasses import replace
 from functools import lru_cache
 
@@ -13,10 +13,10 @@ from .view_slice import ViewSlice
 
 
 def bake(model, parameters: dict, layout: Layout | None = None) -> LobeRows:
-    """Lobe rows of a model for its parameters, in the precision of sockets; the last few are kept.
+    """Lobe rows of a model for its parameters {id: value}, in the precision of sockets. The last 32 are cached.
 
-    Without a `layout` it is that of the parameters; a given one takes the stretch of these. Raises ValueError where the
-    formula gives no reflectance: numbers that are negative or not finite.
+    Without `layout`, `layout_of` chooses one. A `layout` gets the stretch for the parameters. Raises ValueError where
+    the formula gives numbers that are negative or not finite.
     """
     p = model.resolve(parameters)
     used = [q for q in model.parameters if q.evaluated]
@@ -26,17 +26,19 @@ def bake(model, parameters: dict, layout: Layout | None = None) -> LobeRows:
 
 
 def blank(model, parameters: dict) -> LobeRows:
-    """Rows of the form that a model's have, all zero: for those who only ask whether its shader compiles."""
+    """Rows of the same shape as the model's, with all numbers 0: enough to check whether its shader compiles."""
     return LobeRows.zeros(layout_of(model, model.resolve(parameters)), spike=bool(model.spike))
 
 
 @lru_cache(maxsize=32)
 def _baked(model, values, _, common):
-    """`bake` for resolved `values`, ((id, value), ...); stamps of files are there for the cache to see."""
+    """`bake` for resolved `values`, ((id, value), ...). The stamps of files only serve as a part of the cache's key."""
+    # A row for each view; all bases are fitted together.
     p = model.resolve(dict(values))
     layout = layout_of(model, p, common)
     slices = [ViewSlice.at(model, p, view, layout) for view in layout.view_directions()]
     rows = [_row(view_slice, base) for view_slice, base in zip(slices, fit_bases(slices), strict=True)]
+    # The spike, at more angles.
     spike = np.zeros((0, 3))
     if model.spike:
         angles = np.interp(np.arange(spike_angles(layout)) / SPIKES, np.arange(layout.views), layout.view_angles())
@@ -45,20 +47,21 @@ def _baked(model, values, _, common):
 
 
 def _row(view_slice: ViewSlice, base: Base) -> LobeRow:
-    """The row of a view slice and its base, which together have the albedo of the formula."""
-    shown = np.einsum("jc,jrt->rtc", base.colours, base.densities)
-    lacking, excess = np.maximum(view_slice.density - shown, 0.0), np.maximum(shown - view_slice.density, 0.0)
-    # Nothing can take away the excess of the base over the formula: as much light is taken from the whole base.
-    share = view_slice.energy(excess) / np.maximum(view_slice.energy(shown), 1e-12)
+    """The row of a view slice with a fitted base. Its albedo is the formula's."""
+    base_density = np.einsum("jc,jrt->rtc", base.colours, base.densities)
+    lack, excess = np.maximum(view_slice.density - base_density, 0.0), np.maximum(base_density - view_slice.density, 0.0)
+    # No closure takes light away: the base's excess over the formula is taken from the whole base.
+    share = view_slice.energy(excess) / np.maximum(view_slice.energy(base_density), 1e-12)
     facets, diffuse = _closures(base, base.colours * (1.0 - np.minimum(share, 1.0)))
-    # The grid is coarse where the horizon cuts it: the row's energy is the albedo without what the base truly has.
+    # The slice's grid is coarse at the horizon, so its sums are not exact. The residual's albedo is the formula's albedo
+    # minus the base's, both by finer quadrature, and the residual's density is scaled to it.
     albedo = view_slice.albedo - _base_albedo(view_slice, facets, diffuse)[: len(view_slice.albedo)]
-    lacking = lacking * np.maximum(albedo, 0.0) / np.maximum(view_slice.energy(lacking), 1e-12)
-    return LobeRow(facets, diffuse, residual.cut(view_slice, lacking, max(albedo.max(), 0.0)))
+    lack = lack * np.maximum(albedo, 0.0) / np.maximum(view_slice.energy(lack), 1e-12)
+    return LobeRow(facets, diffuse, residual.cut(view_slice, lack, max(albedo.max(), 0.0)))
 
 
 def _closures(base, colours):
-    """(`Facets` of one row, colour of its diffuse closure (3,)) of a base with the `colours` (closures, channels)."""
+    """(`Facets` of one row, color (3,) of its diffuse closure) of a base with the weights `colours` (closures, channels)."""
     facets = Facets(np.zeros((FACETS, 2)), np.zeros((FACETS, 2)), np.zeros((FACETS, 3)))
     diffuse = np.zeros(3)
     count = 0
@@ -72,7 +75,7 @@ def _closures(base, colours):
 
 
 def _base_albedo(view_slice, facets, diffuse):
-    """Albedo (3,) of a row's base."""
+    """Albedo (3,) of a row's base, by the slice's quadrature."""
     light, weight = view_slice.quadrature()
     total = np.zeros((len(light), 3))
     for slopes, widths, colour in facets.each():

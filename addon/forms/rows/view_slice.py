@@ -5,19 +5,19 @@ import numpy as np
 
 from .layout import Layout
 
-RINGS = 72  # of half vectors in a slice, over sin(theta_h)
-EVEN = 0.35  # share of rings that are spaced without regard to energy
-DETAIL = 0.3  # slope: how finely at least bases are integrated
+RINGS = 72  # rings of half vectors in a slice, over sin(theta_h)
+EVEN = 0.35  # share of the rings that are spaced without regard to energy
+DETAIL = 0.3  # largest slope that the quadrature of bases may skip
 
 
 @dataclass(frozen=True)
 class ViewSlice:
-    """A formula seen from one `view` (3,), on a polar grid of half vectors; of round ones on the side y >= 0.
+    """A formula seen from one `view` (3,), on a polar grid of half vectors. Round formulas have the side y >= 0 only.
 
-    `ring_edges` (RINGS + 1,) are sizes of rings, see `Layout`. In the middles of the grid's cells there are `light` and
-    `half` (RINGS, turns, 3), unit vectors, and `lit` (RINGS, turns), whether both are above the horizon; `area`
-    (RINGS, turns) is the cells' solid angle, of both sides together. `density` (RINGS, turns, channels) is
-    f (N·L) dω_L / dω_H. `albedo` (channels,) is the limit of its sum on ever finer grids. `quadrature()` gives lights
+    `ring_edges` (RINGS + 1,) are sizes of rings, see `Layout`. These are for the middles of the grid's cells: `light`
+    and `half`, unit vectors (RINGS, turns, 3); `lit` (RINGS, turns), whether both are above the horizon; and `density`
+    (RINGS, turns, channels), f (N·L) dω_L / dω_H. `area` (RINGS, turns) is the cells' solid angle of half vectors, of
+    both sides together. `albedo` (channels,) is the formula's albedo by finer quadrature. `quadrature()` gives lights
     (N, 3) and weights (N,), as `FormulaModel.lights`, which resolve bases.
     """
 
@@ -38,7 +38,7 @@ class ViewSlice:
 
         Raises ValueError where the formula gives negative numbers, or numbers that are not finite.
         """
-        # Rings are spaced by the energy on a coarser grid.
+        # The rings' spacing, by the energy on a coarser grid.
         largest = 1.0 / min(layout.stretch)
         coarse = np.unique(np.concatenate([[0.0], np.geomspace(0.01 * model.width(p), largest, 160),
                                            np.linspace(0.0, largest, 80)]))
@@ -50,40 +50,41 @@ class ViewSlice:
 
     @property
     def jacobian(self) -> np.ndarray:
-        """dω_L / dω_H = 4 (V·H) where the cell is lit, and 0 elsewhere, (RINGS, turns)."""
+        """dω_L / dω_H, (RINGS, turns): 4 (V·H) where the cell is lit, and 0 elsewhere."""
         return np.where(self.lit, 4.0 * np.maximum(self.half @ self.view, 0.0), 0.0)
 
     def energy(self, density) -> np.ndarray:
-        """The sum over the grid of a density like `density`: its albedo, (channels,)."""
+        """The albedo (channels,) of a density like `density`: its sum over the grid."""
         return np.einsum("rt,rtc->c", self.area, density)
 
 
 def half_vectors(layout: Layout, size, phi) -> np.ndarray:
-    """Half vectors (..., 3) at the `size` of their ring and the azimuth `phi` on it in radians, which broadcast."""
+    """Half vectors (..., 3) at the `size` of a ring and the azimuth `phi` on it in radians, which broadcast."""
     x, y = size * np.cos(phi) * layout.stretch[0], size * np.sin(phi) * layout.stretch[1]
     return np.stack([x, y, np.sqrt(np.maximum(1.0 - x * x - y * y, 0.0))], axis=-1)
 
 
 def _ring_energies(model, p, view, edges, layout):
-    """(energy (N,) of the strongest channel in the rings between N + 1 `edges`, the last edge of a lit ring)."""
+    """(energy (N,) of each direction's strongest channel in the rings between N + 1 `edges`, last edge of a lit ring)."""
     light, half, lit, area = _grid(view, edges, 24, layout)
     energy = (_density(model, p, view, light, half, lit).max(axis=-1) * area).sum(axis=1)
     return energy, edges[1:][lit.any(axis=1)].max()
 
 
 def _quantiles(edges, energy, last, width):
-    """RINGS + 1 edges, most of them at equal energies, the others evenly over the logarithm of their distance."""
+    """RINGS + 1 edges up to `last`: most at equal steps of energy, the others at equal steps of the size's logarithm."""
     before = np.concatenate([[0.0], np.cumsum(energy)])
     if not before[-1] > 0.0:
         return np.linspace(0.0, last, RINGS + 1)
     even = np.log1p(np.minimum(edges, last) / width) / np.log1p(last / width)
     mixed = (1.0 - EVEN) * before / before[-1] + EVEN * even
-    kept = edges <= last * (1.0 + 1e-12)
-    return np.interp(np.linspace(0.0, 1.0, RINGS + 1), mixed[kept] / mixed[kept][-1], edges[kept])
+    inside = edges <= last * (1.0 + 1e-12)
+    return np.interp(np.linspace(0.0, 1.0, RINGS + 1), mixed[inside] / mixed[inside][-1], edges[inside])
 
 
 def _grid(view, edges, turns, layout):
-    """(light, half vector (rings, turns, 3), whether lit, solid angle (rings, turns)) of the cells between `edges`."""
+    """(light and half vector (rings, turns, 3), whether lit, solid angle (rings, turns)) of the cells between `edges`."""
+    # Half vectors in the middles of the cells, by area, and their lights.
     middle2 = 0.5 * (edges[1:] ** 2 + edges[:-1] ** 2)
     size, phi = np.meshgrid(np.sqrt(middle2), (np.arange(turns) + 0.5) / turns * layout.around, indexing="ij")
     half = half_vectors(layout, size, phi)
@@ -91,6 +92,7 @@ def _grid(view, edges, turns, layout):
     view_half = half @ view
     light = 2.0 * view_half[..., None] * half - view
     lit = (view_half > 1e-6) & (light[..., 2] > 1e-9) & (up > 1e-3)
+    # The solid angle: the area of the ellipse's rings over the cosine.
     ring_area = np.pi / turns * (edges[1:] ** 2 - edges[:-1] ** 2)[:, None]
     return light, half, lit, ring_area * np.prod(layout.stretch) / np.maximum(up, 1e-3)
 
