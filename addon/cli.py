@@ -33,8 +33,7 @@ _COMMANDS = {
 # The subcommands of this installation. The extension's zip lacks `addon.dev`, and so the developers' subcommands.
 COMMANDS = {name: entry for name, entry in _COMMANDS.items()
             if not entry[0].startswith("addon.dev.") or importlib.util.find_spec("addon.dev") is not None}
-
-
+# Subcommands that work in a checkout only.
 _FOR_CHECKOUT = {"assets", "build", "docs", "previews"}
 
 

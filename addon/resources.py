@@ -7,6 +7,7 @@ from pathlib import Path
 PACKAGE = Path(__file__).resolve().parent
 # The folder of the checkout or of the extension.
 ROOT = PACKAGE.parent
+# Whether the package is in a checkout of the project.
 IS_CHECKOUT = (ROOT / "pyproject.toml").is_file()
 
 

@@ -270,7 +270,7 @@ def test_single_samples_are_finite_and_bounded(model, exponent, extreme):
     ("pumped_phong", {"exponent": 7.0, "fresnel_type": "schlick", "base_color": 0.04}),
 ], ids=name_of)
 def test_no_lamp_makes_a_sample_negative(model, parameters):
-    """Under a sun of no size each sample is the closures' sum at one light: negative kernels never outweigh the base."""
+    """Under a sun of no size a sample is the closures' sum at one light: negative kernels never outweigh the base."""
     with scene.MeasuringScene(create_material(model, **parameters), scene.PLANE, 64) as place:
         sun = place.shine("SUN", (0.0, 0.0, 1.0), energy=scene.SUN_ENERGY, angle=0.0)
         for view_deg in (40.0, 80.0):

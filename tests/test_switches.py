@@ -1,12 +1,17 @@
-"""Switching between two states of a material and back."""
+"""Switching between two states of a material and back, and between what renders it."""
+import json
+
 import numpy as np
 import pytest
 from blender_help.recorder import context_for, drawn, operators, texts
 
 from addon import create_material
+from addon.blender.backend import Program
+from addon.blender.backend.principled import PrincipledFit
 from addon.brdf import MODELS
 from addon.forms.albedo import tables
 from addon.measure import scene
+from addon.models.channels import rgb
 
 pytestmark = [pytest.mark.blender, pytest.mark.versions]
 
@@ -111,6 +116,76 @@ def test_a_material_is_made_without_osl(bpy, monkeypatch):
         create_material("pumped_phong")
     with pytest.raises(ValueError, match="backend: 'tape' is not one of osl, principled"):
         create_material("pumped_phong", backend="tape")
+    with pytest.raises(ValueError, match="'principled' has no option lut"):
+        create_material("pumped_phong", backend="principled", lut="file")
+
+
+def test_a_backend_of_another_version_is_told(bpy):
+    """Its nodes are neither called damaged nor baked anew."""
+    from addon.blender import backend
+    from addon.blender.material import groups, repair
+
+    material = create_material("ward", backend="principled")
+    node = groups.find_node(material)
+    node.node_tree[backend.BACKEND_KEY] = "tape"
+    assert not repair.lost_shader(node)
+    log = drawn(context_for(bpy, material))
+    assert "a backend that this version of the extension does not know: tape" in texts(log)
+    assert "plausible.renew" in operators(log)
+
+
+class Diffuse(PrincipledFit):
+    """A third backend: a diffuse closure of the albedo at normal incidence, made for the values of all models."""
+
+    id, label = "diffuse", "Diffuse"
+
+    def notices(self, node, model, values):
+        return ()
+
+    def follows_sockets(self, model):
+        return False
+
+    def program(self, model, values=None, ranges=None):
+        return Program(self.id, model.id, json.dumps(rgb(model.albedo([1.0], **(values or {})))[0].tolist()))
+
+    def install(self, group, model, program, inputs):
+        group.nodes.new("ShaderNodeBsdfDiffuse").name = self.label
+        self.update(group, program)
+        return self.output(group)
+
+    def update(self, group, program):
+        color = json.loads(program.content) if program.content else (0.0, 0.0, 0.0)
+        group.nodes[self.label].inputs["Color"].default_value = (*(color or (0.0, 0.0, 0.0)), 1.0)
+        group["diffuse_program"] = program.content
+
+    def output(self, group):
+        node = group.nodes.get(self.label)
+        return node and node.outputs[0]
+
+    def installed(self, group):
+        return Program(self.id, group["plausible_model"], group["diffuse_program"]) if self.output(group) else None
+
+
+@pytest.mark.parametrize("model", ["pumped_phong", "ward"])
+def test_a_third_backend_needs_nothing_but_the_protocol(bpy, monkeypatch, no_weights, model):
+    from addon.blender import backend
+    from addon.blender.material import baked_state, groups, materials
+
+    monkeypatch.setitem(backend.BACKENDS, "diffuse", Diffuse())
+    material = create_material(model, backend="diffuse", base_color=(0.9, 0.5, 0.2))
+    expected = rgb(MODELS[model].albedo([1.0], base_color=(0.9, 0.5, 0.2)))[0]
+    np.testing.assert_allclose(picture(material, False).mean(axis=(0, 1)), expected, atol=2e-3)
+    other = create_material(model, base_color=(0.9, 0.5, 0.2))
+    node = groups.find_node(other)
+    materials.switch_backend(node, backend.chosen("diffuse"))
+    assert not baked_state.is_stale(node) and baked_state.baked_error(node) is None
+    np.testing.assert_allclose(picture(other, False).mean(axis=(0, 1)), expected, atol=2e-3)
+    materials.set_values(node, {MODELS[model].parameter("base_color"): (0.1, 0.2, 0.3)})
+    shown = picture(other, False).mean(axis=(0, 1))
+    np.testing.assert_allclose(shown, rgb(MODELS[model].albedo([1.0], base_color=(0.1, 0.2, 0.3)))[0], atol=2e-3)
+    for name in ("principled", "osl"):
+        materials.switch_backend(node, backend.chosen(name))
+        assert not baked_state.is_stale(node) and groups.backend_of(node).id == name
 
 
 @pytest.mark.parametrize("model, name, value", [

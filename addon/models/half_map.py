@@ -56,8 +56,8 @@ class HalfMap:
 
     def _nodes(self, least):
         size = len(self.pixels)
-        h, area, centre = _squares(size if size >= least else size * (1 + 2 * -(-(least - size) // (2 * size))))
-        return _turned(h, self.turn), area, self.density(_turned(centre, self.turn)) * area
+        h, area, center = _squares(size if size >= least else size * (1 + 2 * -(-(least - size) // (2 * size))))
+        return _turned(h, self.turn), area, self.density(_turned(center, self.turn)) * area
 
     @cached_property
     def sampler(self):
@@ -65,7 +65,7 @@ class HalfMap:
 
         Unlike pixels, cells end at the hemisphere's rim.
         """
-        # The mean of p over each cell, by four points.
+        # The sum of p at four points of each cell.
         size = max(len(self.pixels), ENOUGH)
         rings, turns = np.linspace(0.0, 0.5 * np.pi, round(0.25 * np.pi * size) + 1), round(np.pi * size)
         z, total = np.cos(rings), 0.0

@@ -273,7 +273,7 @@ def _color(albedo, target):
     miss = (np.log(np.maximum(tried, 1e-3) / np.maximum(target, 1e-3)) ** 2).sum(axis=0)  # (colors, 3)
     best = np.clip(miss.argmin(axis=0), 1, len(_COLORS) - 2)
     low, middle, high = (np.take_along_axis(miss, (best + step)[None], axis=0)[0] for step in (-1, 0, 1))
-    # The lowest point of the parabola through three neighbours.
+    # The lowest point of the parabola through three neighbors.
     shift = 0.5 * (low - high) / np.maximum(low - 2.0 * middle + high, 1e-30)
     return np.clip(_COLORS[best] + np.clip(shift, -1.0, 1.0) * _COLORS[1], 0.0, 1.0)
 

@@ -23,13 +23,14 @@ FALLBACK = PrincipledFit()
 BACKENDS = {backend.id: backend for backend in (DEFAULT, FALLBACK)}
 
 __all__ = ["BACKENDS", "BACKEND_KEY", "BSDF", "DEFAULT", "FALLBACK", "MODEL_KEY", "STAND_IN", "Backend", "BackendError",
-           "Cure", "Notice", "OslError", "Program", "chosen", "of_group", "pair_of", "stored", "text_of"]
+           "Cure", "Notice", "OslError", "Program", "chosen", "of_group", "pair_of", "stored", "text_of",
+           "unknown"]
 
 
 def chosen(name: str, **options) -> Backend:
     """The backend `name` with its `options`.
 
-    Raises ValueError for an unknown backend and for an invalid value of an option.
+    Raises ValueError for an unknown backend, for an unknown option and for an invalid value of one.
     """
     if name not in BACKENDS:
         raise ValueError(f"backend: {name!r} is not one of {', '.join(BACKENDS)}")
@@ -37,5 +38,11 @@ def chosen(name: str, **options) -> Backend:
 
 
 def of_group(group) -> Backend:
-    """The backend that feeds a group's BSDF output, with the options stored on the group."""
+    """The backend that feeds a group's BSDF output, with the options stored on the group; see `unknown`."""
     return BACKENDS.get(text_of(group, BACKEND_KEY), DEFAULT).as_kept(group)
+
+
+def unknown(group) -> str:
+    """The id of a group's backend where this version of the extension lacks it, else ""."""
+    name = text_of(group, BACKEND_KEY)
+    return "" if name in BACKENDS else name

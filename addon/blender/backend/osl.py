@@ -9,10 +9,11 @@ import bpy
 
 from ...backends.osl import assembler, estimator
 from ...forms.albedo import tables, tabulated
+from ...forms.rows import error as rows_error
 from ...forms.rows import grid, row_bake
 from ..host import row_cache, table_folder
 from ..host.translation import tr
-from .protocol import BSDF, MODEL_KEY, BackendError, Cure, Notice, Program, pair_of, stored, text_of
+from .protocol import BSDF, MODEL_KEY, BackendError, Cure, Notice, Program, pair_of, refuse_options, stored, text_of
 
 SCRIPT = "ShaderNodeScript"
 # Custom property of a group: where its shader has the albedo tables, see `assembler.assemble`.
@@ -42,8 +43,9 @@ class Osl:
     id = "osl"
     label = "Open Shading Language"
 
-    def with_options(self, lut: str = assembler.COMPILED) -> "Osl":
+    def with_options(self, lut: str = assembler.COMPILED, **others) -> "Osl":
         """See `Backend`."""
+        refuse_options(self, others)
         if lut not in (assembler.COMPILED, assembler.FILE):
             raise ValueError(f"lut: {lut!r} is not one of {assembler.COMPILED}, {assembler.FILE}")
         return replace(self, lut=lut)
@@ -65,8 +67,8 @@ class Osl:
             return ()
         return tuple(notice for notice in (_switched_off(scene), _wrong_device(scene)) if notice is not None)
 
-    def is_on(self, scene) -> bool:
-        """Whether Open Shading Language is switched on in a scene."""
+    def is_ready(self, scene) -> bool:
+        """See `Backend`: whether Open Shading Language is switched on."""
         return scene.cycles.shading_system
 
     def prepare(self, scene) -> bool:
@@ -120,6 +122,14 @@ class Osl:
     def is_cached(self, model, values, ranges) -> bool:
         """See `Backend`."""
         return all(row_cache.holds(row_cache.key(model, values, what, ranges)) for what in ("shader", "error"))
+
+    def prefetch(self, model, values, ranges, tell):
+        """See `Backend`: bakes the lobe rows, which `grid.bake` keeps."""
+        grid.bake(model, values, ranges, tell=tell)
+
+    def error(self, model, values, ranges) -> tuple | None:
+        """See `Backend`: the error of the lobe rows."""
+        return rows_error.largest(model, values, ranges)
 
     def install(self, group, model, program, inputs):
         """See `Backend`. The sockets are made here, as versions of Blender make a Script node's sockets differently."""

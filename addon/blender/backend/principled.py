@@ -11,7 +11,7 @@ from ...models.disk_model import DiskModel
 from ...models.formula_model import FormulaModel
 from ..host.translation import tr
 from .node_builder import Nodes
-from .protocol import MODEL_KEY, STAND_IN, Cure, Notice, Program, text_of
+from .protocol import MODEL_KEY, STAND_IN, Cure, Notice, Program, refuse_options, text_of
 
 # Name of the Principled BSDF node.
 NAME = STAND_IN
@@ -29,8 +29,9 @@ class PrincipledFit:
     id = "principled"
     label = "Native Approximation"
 
-    def with_options(self) -> "PrincipledFit":
-        """See `Backend`."""
+    def with_options(self, **others) -> "PrincipledFit":
+        """See `Backend`: it has none."""
+        refuse_options(self, others)
         return self
 
     def as_kept(self, group) -> "PrincipledFit":
@@ -43,6 +44,10 @@ class PrincipledFit:
     def why_not(self, scene=None) -> tuple:
         """See `Backend`: no obstacles, it renders everywhere."""
         return ()
+
+    def is_ready(self, scene) -> bool:
+        """See `Backend`."""
+        return True
 
     def prepare(self, scene) -> bool:
         """See `Backend`."""
@@ -92,6 +97,13 @@ class PrincipledFit:
     def is_cached(self, model, values, ranges) -> bool:
         """See `Backend`: a fit takes a fraction of a second."""
         return True
+
+    def prefetch(self, model, values, ranges, tell):
+        """See `Backend`: there is no slow part."""
+
+    def error(self, model, values, ranges) -> tuple | None:
+        """See `Backend`: none, as `notices` states the difference from the model."""
+        return None
 
     def install(self, group, model, program, inputs):
         """See `Backend`."""

@@ -57,7 +57,7 @@ class Backend(Protocol):
     def with_options(self, **options) -> "Backend":
         """This backend with options of `create_material`.
 
-        Raises ValueError for an invalid value, TypeError for an unknown option.
+        Raises ValueError for an unknown option and for an invalid value.
         """
 
     def as_kept(self, group) -> "Backend":
@@ -72,6 +72,9 @@ class Backend(Protocol):
         Without a scene they cover this Blender alone; with a scene also its device and settings.
         """
 
+    def is_ready(self, scene) -> bool:
+        """Whether a scene has the settings that `prepare` switches on."""
+
     def prepare(self, scene) -> bool:
         """Switch on the settings that the backend needs in a scene. Returns whether a setting changed."""
 
@@ -79,7 +82,10 @@ class Backend(Protocol):
         """Notices about one node of this backend, for `values` by parameter id."""
 
     def parameters(self, model) -> tuple:
-        """The model's parameters that have a socket on the backend's groups, those of the estimator included."""
+        """The model's parameters that have a socket on a new group of the backend, those of its estimator included.
+
+        A switch from another backend neither adds nor removes sockets.
+        """
 
     def follows_sockets(self, model) -> bool:
         """Whether a program reads the group's sockets. Otherwise it is made for fixed values of the parameters."""
@@ -93,6 +99,9 @@ class Backend(Protocol):
     def program(self, model, values: dict | None = None, ranges: dict | None = None) -> Program:
         """The program of a model, for `values` by parameter id and `ranges` {id: (least, most)} of driven parameters.
 
+        A value that is missing is the parameter's default. Values from sockets have single precision. Of a driven
+        parameter `values` may hold its socket's value: a backend without ranges uses that.
+
         Raises BackendError where this Blender cannot make the program, ValueError for values that the model rejects.
         """
 
@@ -100,10 +109,26 @@ class Backend(Protocol):
         """A placeholder program, made at once, of a model whose programs do not follow the sockets."""
 
     def is_cached(self, model, values: dict, ranges: dict) -> bool:
-        """Whether `program` returns at once, from a cache."""
+        """Whether `program` returns at once. Otherwise a thread calls `prefetch` first."""
+
+    def prefetch(self, model, values: dict, ranges: dict, tell):
+        """Do the slow part of `program` and keep the result. A thread calls it: bpy is not allowed.
+
+        `tell(done, total)` reports progress; an exception that it raises ends the work.
+        """
+
+    def error(self, model, values: dict, ranges: dict) -> tuple | None:
+        """Largest errors (of the lobe, of the albedo) of a program up to 80 degrees, as fractions of the albedo.
+
+        None where the backend states no error here. A thread calls it: bpy is not allowed.
+        """
 
     def install(self, group, model, program: Program, inputs: dict):
         """Add the backend's nodes to a group, and link `inputs` {parameter id: socket} to them.
+
+        The group may hold nodes of other backends: find your own by a name or type that no other backend uses, and
+        keep the program in a custom property of your own. `inputs` lacks texts, and parameters that
+        the group was not made with.
 
         Returns the nodes' shader socket.
         """
@@ -122,6 +147,12 @@ class Backend(Protocol):
 
         `fed_by` is {parameter id: identifier of the group's socket}.
         """
+
+
+def refuse_options(backend, options: dict):
+    """Raise ValueError where there are options that a backend lacks."""
+    if options:
+        raise ValueError(f"backend {backend.id!r} has no option {', '.join(options)}")
 
 
 def text_of(thing, key: str) -> str:

@@ -158,6 +158,8 @@ GERMAN = {
         "Der Ofen stimmt mit der Formel überein: höchstens {most:.4f} daneben, bei {view:g}°",
     "The furnace differs from the formula: at most {most:.4f} off, at {view:g}°":
         "Der Ofen weicht von der Formel ab: höchstens {most:.4f} daneben, bei {view:g}°",
+    "The node is rendered by a backend that this version of the extension does not know: {name}":
+        "Den Node rendert ein Backend, das diese Version der Erweiterung nicht kennt: {name}",
     "The node is of a model that this version of the extension does not know: {name}":
         "Der Node ist von einem Modell, das diese Version der Erweiterung nicht kennt: {name}",
     "The node was edited and its shader is gone or damaged":

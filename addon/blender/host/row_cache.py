@@ -19,12 +19,17 @@ _memory = {}  # key -> value, the least recently used first
 
 
 def fetch(key: str, make):
-    """The cached value for `key`, or the result of `make()`, which is cached then. Values have to be valid JSON."""
+    """The cached value for `key`, or the result of `make()`, which is cached then unless it is None.
+
+    Values have to be valid JSON.
+    """
     if holds(key):
         # Move the entry to the end: it is the most recently used now.
         _memory[key] = _memory.pop(key)
         return _memory[key]
     value = make()
+    if value is None:
+        return None
     disk = _attempt(on_disk)
     if disk:
         _attempt(lambda: disk.save(key, value))

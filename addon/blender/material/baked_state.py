@@ -1,7 +1,6 @@
 """The values that a node's program was made for, and their comparison with the node's present values."""
 import json
 
-from ...forms.rows import error as rows_error
 from .. import backend as backends
 from ..backend import pair_of, text_of
 from ..host import row_cache
@@ -12,15 +11,15 @@ from .groups import model_of
 from .replace import replace_node
 from .sockets import by_id, values
 
-# Custom property of a group: the values that its OSL program was made for, as JSON; see `key_of`.
+# Custom property of a group: the values that its program was made for, as JSON; see `key_of`.
 BAKED_KEY = "plausible_baked"
-# Custom property of a group: the largest errors of its lobe rows up to 80 degrees, (of the lobe, of the albedo).
+# Custom property of a group: its program's largest errors up to 80 degrees, (of the lobe, of the albedo).
 ERROR_KEY = "plausible_baked_error"
 
 
-def key_of(backend) -> str:
-    """The name of a group's custom property with the values that the backend's program was made for."""
-    return BAKED_KEY if backend == backends.DEFAULT else f"{BAKED_KEY}_{backend.id}"
+def key_of(backend, key: str = BAKED_KEY) -> str:
+    """The name of a group's custom property for one backend, as a group may hold the programs of several."""
+    return key if backend.id == backends.DEFAULT.id else f"{key}_{backend.id}"
 
 
 def is_stale(node) -> bool:
@@ -36,11 +35,8 @@ def is_stale(node) -> bool:
 
 
 def baked_error(node):
-    """Largest errors (of the lobe, of the albedo) of a node's lobe rows up to 80 degrees; None if unknown.
-
-    Both are fractions of the albedo, see `error.RowsError`.
-    """
-    return pair_of(node.node_tree.get(ERROR_KEY))
+    """Largest errors (of the lobe, of the albedo) of a node's program, see `Backend.error`; None if unknown."""
+    return pair_of(node.node_tree.get(key_of(groups.backend_of(node), ERROR_KEY)))
 
 
 def target(node) -> tuple:
@@ -52,7 +48,7 @@ def target(node) -> tuple:
 def bake(node, error: tuple | None = None):
     """Make a node's program anew, for the values of its sockets and over the ranges of the driven parameters.
 
-    `error` is the error of its lobe rows, see `baked_error`; None measures it. Raises as `create_material`.
+    `error` is the error of its program, see `baked_error`; None measures it. Raises as `create_material`.
     """
     ranges = driven.ranges(node)
     groups.load(node, values(node), ranges)
@@ -60,7 +56,7 @@ def bake(node, error: tuple | None = None):
 
 
 def record(node, error: tuple | None = None, ranges: dict | None = None):
-    """Record the values and `ranges` that the node's program was made for and its rows' error, and update the fallback.
+    """Record the values and `ranges` that the node's program was made for and its error, and update the fallback.
 
     Measures the error if `error` is None. Does nothing where the program follows the sockets.
     """
@@ -70,13 +66,14 @@ def record(node, error: tuple | None = None, ranges: dict | None = None):
     group, ranges = node.node_tree, ranges or {}
     group[key_of(backend)] = _to_json(node, ranges)
     _store_drivers_ranges(node, ranges)
-    if backend == backends.FALLBACK:
-        return
-    # The error of OSL's lobe rows: from the cache, from the caller, or measured.
-    current = values(node)
-    group[ERROR_KEY] = row_cache.fetch(row_cache.key(model, current, "error", ranges),
-                                       lambda: error or rows_error.largest(model, current, ranges))
-    update_fallback(node)
+    # The error: from the cache, from the caller, or measured.
+    current, what = values(node), key_of(backend, "error")
+    error = row_cache.fetch(row_cache.key(model, current, what, ranges),
+                            lambda: error or backend.error(model, current, ranges))
+    if error is not None:
+        group[key_of(backend, ERROR_KEY)] = error
+    if backend != backends.FALLBACK:
+        update_fallback(node)
 
 
 def _store_drivers_ranges(node, ranges):

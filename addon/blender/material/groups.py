@@ -248,7 +248,7 @@ def switch_backend(node, backend):
     """Let `backend` feed a node's BSDF output. Sockets, values and links stay.
 
     A program for values stays where the group contains it already; otherwise it is blank at first, see `baked_state`.
-    Raises as `Backend.program`, and ValueError where the group lacks its output or input node.
+    Raises as `Backend.program`, and ValueError where the group lacks its output, its input node or a socket.
     """
     model = model_of(node)
     program = backend.program(model) if backend.follows_sockets(model) else backend.blank(model)
@@ -264,8 +264,12 @@ def switch_backend(node, backend):
     if bsdf is None:
         texts = {name: socket.default_value for name, socket in texts_of(group).items()}
         outputs = {socket.identifier: socket for socket in entry.outputs}
-        inputs = {name: outputs[identifier] for name, identifier in socket_identifiers(group).items()
-                  if identifier in outputs}
+        identifiers = socket_identifiers(group)
+        removed = [model.parameter(name).label for name in identifiers if identifiers[name] not in outputs]
+        if removed:
+            raise ValueError(f"{node.name} was edited and lacks {', '.join(removed)}: Renew Node in the panel makes it "
+                             "whole")
+        inputs = {name: outputs[identifier] for name, identifier in identifiers.items()}
         bsdf = backend.install(group, model, program, inputs)
         for socket in [s for node in group.nodes for s in node.inputs if s.type == "STRING" and s.identifier in texts]:
             socket.default_value = texts[socket.identifier]

@@ -21,13 +21,13 @@ def create_material(model_id: str, name: str | None = None, lut: str = "compiled
     "principled", which is coarse and runs anywhere. `lut` is an option of "osl": "compiled" (the albedo tables are
     stored in the material) or "file" (the shader reads them from their image files).
 
-    Raises ValueError for an unknown model, backend or parameter and for a value out of range, brdf.TableError if an
-    albedo table is missing, outdated, damaged or not baked for the exponent, OslError if this Blender has no OSL.
+    Raises ValueError for an unknown model, backend, option or parameter and for a value out of range, brdf.TableError if
+    an albedo table is missing, outdated, damaged or not baked for the exponent, OslError if this Blender has no OSL.
     """
     # Check the values for this model and backend.
     model = brdf.find_model(model_id)
     resolved = model.resolve(parameters)
-    renderer = backends.chosen(backend, **({"lut": lut} if backend == "osl" else {}))
+    renderer = backends.chosen(backend, **({} if lut == "compiled" else {"lut": lut}))
     renderer.check(model, resolved)
     # The program comes first, so that a failure leaves no incomplete material.
     program = renderer.program(model, parameters)

@@ -1,4 +1,5 @@
 """Plausible nodes that no longer work after edits by hand: their defects, and their replacement."""
+from .. import backend as backends
 from ..backend import MODEL_KEY
 from ..host.translation import tr
 from . import baked_state, groups, row_jobs
@@ -13,7 +14,10 @@ def complaint(node) -> str:
     model = groups.named_model(tree)
     if model is None:
         return tr("The node is of a model that this version of the extension does not know: {name}",
-                   name=tree[MODEL_KEY])
+                  name=tree[MODEL_KEY])
+    if backends.unknown(tree):
+        return tr("The node is rendered by a backend that this version of the extension does not know: {name}",
+                  name=backends.unknown(tree))
     if lost_shader(node):
         return tr("The node was edited and its shader is gone or damaged")
     # Sockets and outputs that are missing or no longer linked inside.
@@ -27,7 +31,8 @@ def complaint(node) -> str:
 def lost_shader(node) -> bool:
     """Whether the program of a node of a known model is missing or damaged."""
     model = groups.model_of(node)
-    return model is not None and groups.backend_of(node).installed(node.node_tree) is None
+    group = node.node_tree if model is not None else None
+    return group is not None and not backends.unknown(group) and groups.backend_of(node).installed(group) is None
 
 
 def can_renew(node) -> bool:

@@ -3,8 +3,6 @@ import threading
 
 import bpy
 
-from ...forms.rows import error as rows_error
-from ...forms.rows import grid
 from ..host.redraw import redraw
 from . import baked_state, driven, groups
 
@@ -142,13 +140,13 @@ class _Job:
             return self._end()
         # Start a thread if there is none for these values.
         if self.work is None or self.work.target != target or isinstance(self.work.error, _Dropped):
-            self.work = _Work(groups.model_of(node), target)
+            self.work = _Work(groups.model_of(node), groups.backend_of(node), target)
             self.work.start()
             return _TICK
         # The thread has ended. After an error the rows stay stale, which the panel shows.
         if self.work.error is not None:
             return self._fail(self.work.error, target)
-        # This is fast, as `grid.bake` keeps the rows that the thread baked.
+        # This is fast, as the backend keeps what the thread fetched.
         baked_state.bake(node, self.work.largest)
         return self._end()
 
@@ -168,22 +166,22 @@ class _Job:
 
 
 class _Work(threading.Thread):
-    """A thread that bakes the lobe rows of a model for `target`, see `baked_state.target`, and measures their error.
+    """A thread that does the slow part of a program for `target`, see `baked_state.target`, and measures its error.
 
-    `largest` is the rows' error, see `baked_state.baked_error`; `error` the exception that ended the thread.
+    `largest` is the program's error, see `baked_state.baked_error`; `error` the exception that ended the thread.
     """
 
-    def __init__(self, model, target):
+    def __init__(self, model, backend, target):
         super().__init__(name="Plausible BRDF lobe rows", daemon=True)
-        self.model, self.target = model, target
+        self.model, self.backend, self.target = model, backend, target
         self.largest, self.error = None, None
         self.progress = (0, 1)  # (done, total)
         self.dropped = False  # set by the main thread to end this one
 
     def run(self):
         try:
-            grid.bake(self.model, *self.target, tell=self._update_progress)
-            self.largest = rows_error.largest(self.model, *self.target)
+            self.backend.prefetch(self.model, *self.target, self._update_progress)
+            self.largest = self.backend.error(self.model, *self.target)
         except Exception as error:  # a thread has no caller: `look` reports the error
             self.error = error
 

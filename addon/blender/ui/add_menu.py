@@ -52,7 +52,7 @@ class PLAUSIBLE_OT_add_node(bpy.types.Operator):
             other.select = False
         node.location, node.select = context.space_data.cursor_location, True
         tree.nodes.active = node
-        if context.scene is not None and not backends.DEFAULT.is_on(context.scene):
+        if context.scene is not None and not backends.DEFAULT.is_ready(context.scene):
             self.report({"INFO"}, "Cycles runs this node when Open Shading Language is on: see the sidebar, Plausible")
         return {"FINISHED"}
 

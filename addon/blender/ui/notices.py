@@ -20,23 +20,24 @@ def notices(context, node=None, material=None) -> list:
     Without a node they cover the obstacles to making such a material, and damaged or outdated nodes of `material`.
     """
     # Without a suitable Blender nothing else matters.
-    unsupported = _unsupported_blender()
+    backend = backends.DEFAULT if node is None else groups.backend_of(node)
+    unsupported = _unsupported_blender(backend)
     if unsupported:
         return [unsupported]
     all_notices = [*_edited(material), _tables(node), _older(material)]
     if node is not None:
-        scene, backend = context.scene, groups.backend_of(node)
+        scene = context.scene
         all_notices = [_engine(scene), *backend.why_not(scene),
                        *backend.notices(node, groups.model_of(node), values(node)), _newer(node), *all_notices]
     return [notice for notice in all_notices if notice is not None]
 
 
-def _unsupported_blender():
-    """The notice for a Blender that is too old or lacks OSL, or None."""
+def _unsupported_blender(backend):
+    """The notice for a Blender that is too old or cannot run the backend, or None."""
     if bpy.app.version < OLDEST:
         return Notice(tr("Blender {version} is too old: this needs 4.2 or later", version=bpy.app.version_string),
                       (GET_BLENDER,))
-    return next(iter(backends.DEFAULT.why_not()), None)
+    return next(iter(backend.why_not()), None)
 
 
 def _engine(scene):

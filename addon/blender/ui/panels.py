@@ -140,7 +140,7 @@ class _Main(Face):
         row.menu("PLAUSIBLE_MT_presets", text="", icon="PRESET")
         draw_weights(layout, context, material, node)
         # A reminder of the scene's setting.
-        if context.scene.render.engine == "CYCLES" and backends.DEFAULT.is_on(context.scene):
+        if context.scene.render.engine == "CYCLES" and backends.DEFAULT.is_ready(context.scene):
             note = layout.row()
             note.active = False
             draw_text(note, context, "Open Shading Language is on for this scene", "INFO")

@@ -10,7 +10,7 @@ _SOURCES = {"disk": "Edwards et al., The halfway vector disk, eq. 20, made symme
 
 
 def provenance(table) -> dict:
-    """What the image says of itself."""
+    """Metadata of the table's image: model, source, grid and quadrature."""
     return {
         "plausible:model": f"albedo chain a_0..a_3 of the {table.lobe} lobe, "
                            f"{'controlled' if table.control else 'plain'} pumping",
@@ -22,7 +22,7 @@ def provenance(table) -> dict:
 
 
 def nodes(table, row) -> np.ndarray:
-    """a_0 .. a_3 at the columns of one row, shape (columns, 4)."""
+    """a_0 .. a_3 at the columns of one row, shape (columns, 4), by quadrature."""
     exponent = table.rows.exponents()[row]
     return pump_stages.albedos(_LOBES[table.lobe], exponent, table.columns.cosines(exponent), table.control)
 
@@ -31,10 +31,12 @@ def cell_errors(table, nodes, row, refined=False):
     """See `bake.cell_errors`."""
     lobe, exponents = _LOBES[table.lobe], table.rows.exponents()
     node_error, worst = 0.0, 0.0
+    # The row's own nodes, by a finer quadrature.
     if refined:
         mu = table.columns.cosines(exponents[row])
         truth = pump_stages.albedos(lobe, exponents[row], mu, table.control, polar=28, azimuthal=56)
         node_error = float(np.abs(nodes[row] / truth - 1.0).max())
+    # Half-way to the next row: at the columns, and between them.
     if row + 1 < len(exponents):
         exponent = float(np.sqrt(exponents[row] * exponents[row + 1]))
         corners = table.columns.cosines(exponent)

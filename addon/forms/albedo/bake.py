@@ -1,4 +1,4 @@
-"""Bake jobs: compute the albedo tables, write them with their provenance, and re-derive their errors."""
+"""The bake of albedo tables: it computes them, writes them with their provenance, and measures their errors."""
 import json
 import os
 import platform
@@ -10,9 +10,10 @@ from ...models import exr
 from ..workers import mapped
 from . import albedo_rows, sizes, tables, volume_rows
 
-NODE_BOUND, INTERPOLATION_BOUND = 2e-5, 1e-3
-MEASURED = 4  # the error of every fourth row and the last is measured with each bake
-_ABANDONED = 3600.0  # seconds after which a part of a file was left behind by a bake that was killed
+NODE_BOUND, INTERPOLATION_BOUND = 2e-5, 1e-3  # largest relative errors at nodes and between them
+MEASURED = 4  # each bake measures the error of every fourth row, and of the last
+_ABANDONED = 3600.0  # age in seconds from which on a temporary file is from a bake that was killed
+# {kind of a table: the module of its rows}.
 _KINDS = {tables.Table: albedo_rows, tables.VolumeTable: volume_rows}
 
 
@@ -28,27 +29,28 @@ def bake_row(job) -> np.ndarray:
 
 
 def measure_row(job) -> float:
-    """Largest relative error of a reading half-way from a row to the next; `job` is (table, nodes, row)."""
+    """Largest relative error of readings half-way from a row to the next; `job` is (table, nodes, row)."""
     table, nodes, row = job
     return cell_errors(table, nodes, row)[1]
 
 
 def measured_rows(table) -> list:
-    """The rows whose error is measured with a bake. The last cell is the widest, and often the worst."""
+    """The rows whose error a bake measures. The last is among them: its cell is the widest, and often the worst."""
     return sorted({*range(0, table.height - 1, MEASURED), table.height - 2})
 
 
 def bake(names=None, workers=None, size=sizes.STANDARD):
-    """Bake tables, a generator that yields (steps done, steps in all, table name) after every row.
+    """Bake the tables `names`, by default all, a generator that yields (steps done, all steps, table name).
 
-    `size` is their resolution and range. When all rows of a table are done, the error between them is measured, and
-    written with them. Each table is written beside its file and renamed only when it is whole, so that closing the
-    generator (or Ctrl-C) leaves the old tables as they were. Raises OSError when the folder cannot be written.
+    `size` is their resolution and range, and `workers` the number of processes. After the rows of a table, the errors
+    between rows are measured, and written with them. A table replaces its old file only when it is complete: when the
+    generator is closed (or on Ctrl-C), the old tables do not change. Raises OSError when the folder cannot be written.
     """
     baked = [sizes.sized(tables.TABLES[name], size) for name in names or tables.TABLES]
     folder = tables.folder()
     require_writable(folder)
     total, done = sum(steps(table) for table in baked), 0
+    # The rows of each table, then their errors.
     for table in baked:
         rows, errors = [], []
         for row in mapped(bake_row, [(table, row) for row in range(table.height)], workers):
@@ -66,12 +68,12 @@ def bake(names=None, workers=None, size=sizes.STANDARD):
 
 
 def steps(table) -> int:
-    """How many times `bake` yields for a table."""
+    """The number of steps of `bake` for a table."""
     return table.height + len(measured_rows(table))
 
 
 def require_writable(folder):
-    """Make a folder for tables where there is none. Raises OSError where it cannot be written."""
+    """Make a folder for tables where it is missing, and delete abandoned files. Raises OSError if it is read-only."""
     folder.mkdir(parents=True, exist_ok=True)
     if not os.access(folder, os.W_OK):
         raise PermissionError(f"{folder}: this folder is read-only; choose another with --output or in the preferences")
@@ -81,6 +83,7 @@ def require_writable(folder):
 
 
 def _write(path, table, nodes, error, size):
+    """Write a table, with its provenance, axes and `error` as metadata."""
     exr.write(path, tables.marked(table, nodes), {
         **kind_of(table).provenance(table),
         tables.AXES: json.dumps(table.told_axes()),
@@ -93,25 +96,28 @@ def _write(path, table, nodes, error, size):
 
 
 def cell_errors(table, nodes, row, refined=False):
-    """(node error, interpolation error), relative, of one row and of the cells between it and the next.
+    """(node error, interpolation error), both relative, of one row and of the cells between it and the next.
 
-    Truth is the integral itself at other points: at the row's own nodes with a finer quadrature when `refined`, and at
-    the middle and quarters of the cells, half-way to the next row.
+    They compare `nodes` (rows, columns, 4) with the integral itself. The node error is that at the row's own nodes,
+    with a finer quadrature; it is 0 unless `refined`. The interpolation error is that half-way to the next row, at the
+    columns and between them.
     """
     return kind_of(table).cell_errors(table, nodes, row, refined)
 
 
 def _check_row(job):
+    """`cell_errors` of a row of a table in use; `job` is (table name, row)."""
     name, row = job
     table = tables.in_use(name)
     return cell_errors(table, tables.load(table), row, refined=True)
 
 
 def check(names=None, workers=None):
-    """Re-derive the errors of the tables in use, a generator.
+    """Measure the errors of all rows of the tables in use, a generator.
 
-    Yields (rows done, rows in all, table name, report); `report` is None until the table's last row, then a dict with
-    node_error, interpolation_error, its bound, ok and, where a table is missing, stale or damaged, message.
+    Yields (rows done, all rows, table name, report). `report` is None until a table's last row. Then it is a dict with
+    "table", "node_error", "interpolation_error", "interpolation_bound" and "ok"; for a table that is missing, stale or
+    damaged it has "table", "ok" and "message".
     """
     names = list(names or tables.TABLES)
     usable, jobs, unusable = {}, [], []
@@ -121,6 +127,7 @@ def check(names=None, workers=None):
             jobs.extend((name, row) for row in range(usable[name].height))
         except tables.TableError as error:
             unusable.append((0, name, {"table": name, "ok": False, "message": str(error)}))
+    # The unusable tables first, then the errors of the others, row by row.
     for done, name, report in unusable:
         yield done, len(jobs), name, report
     errors = {name: [] for name in usable}

@@ -1,6 +1,6 @@
-"""How large a bake is: the models whose tables are baked, how fine these are, and for which exponents.
+"""The size of an albedo bake: the models, the tables' resolution, and the range of exponents.
 
-A reading between nodes errs by the square of their distance, so half the columns and rows mean four times the error.
+The error between nodes goes with the square of their distance: half the columns and rows have four times the error.
 """
 from dataclasses import dataclass
 
@@ -12,10 +12,10 @@ from . import tables, tabulated
 
 @dataclass(frozen=True)
 class Resolution:
-    """`factor` multiplies columns and rows of the declared axes; a table of volumes keeps its radii.
+    """`factor` multiplies columns and rows of the declared axes; the radii of a table of volumes do not change.
 
-    `bound` is what the relative error between nodes stays within over the whole range of exponents, and `cost` the time
-    of a bake in parts of the standard one; both are measured (tests/test_sizes.py).
+    `bound` is the largest relative error between nodes over the whole range of exponents. `cost` is the time of a bake
+    in parts of the standard one. Both are measured (tests/test_sizes.py).
     """
 
     label: str
@@ -25,6 +25,7 @@ class Resolution:
 
     @property
     def help(self) -> str:
+        """A phrase on error, numbers and time, for --help texts and tooltips."""
         within = f"albedos within {100.0 * self.bound:.2g} %"
         if self.factor == 1.0:
             return within
@@ -41,9 +42,9 @@ RESOLUTIONS = {
 
 @dataclass(frozen=True)
 class Size:
-    """What a bake is told of its tables' axes: a name of RESOLUTIONS, and the exponents that they are for.
+    """The axes of baked tables: `resolution`, a key of RESOLUTIONS, and the range of exponents, `lowest` to `highest`.
 
-    Raises ValueError that names what is wrong.
+    Raises ParameterError, a ValueError, for an unknown resolution or a range that is not allowed.
     """
 
     resolution: str = "standard"
@@ -58,7 +59,7 @@ class Size:
 
     @property
     def is_whole(self) -> bool:
-        """Whether it covers all exponents that there are."""
+        """Whether the range covers all allowed exponents."""
         return self.lowest == MIN_EXPONENT and self.highest == MAX_EXPONENT
 
 
@@ -66,16 +67,16 @@ STANDARD = Size()
 
 
 def sized(table, size: Size):
-    """A declared table with the axes that `size` asks for."""
+    """A declared table with the axes of `size`."""
     chosen = RESOLUTIONS[size.resolution]
-    told = table.told_axes()
-    told["columns"], told["rows"] = (round(chosen.factor * told[axis]) for axis in ("columns", "rows"))
-    told["lowest"], told["highest"] = table.covering(size.lowest, size.highest)
-    return table.with_axes(**told)
+    axes = table.told_axes()
+    axes["columns"], axes["rows"] = (round(chosen.factor * axes[axis]) for axis in ("columns", "rows"))
+    axes["lowest"], axes["highest"] = table.covering(size.lowest, size.highest)
+    return table.with_axes(**axes)
 
 
 def bound(resolution: str, standard: float) -> float:
-    """What the error between nodes must be within at a resolution, where `standard` is that of the standard one."""
+    """The bound of the error between nodes at a resolution, where `standard` is the bound at the standard one."""
     chosen = RESOLUTIONS.get(resolution, RESOLUTIONS["standard"])
     return standard * chosen.bound / RESOLUTIONS["standard"].bound
 
@@ -86,7 +87,7 @@ def readers() -> list:
 
 
 def tables_of(model_ids) -> list:
-    """Names of the tables that these models read. Raises ValueError for a model that reads none, or is none."""
+    """Names of the tables that these models read. Raises ValueError for an unknown model, or one without tables."""
     names = []
     for model_id in model_ids:
         model = find_model(model_id)
@@ -97,11 +98,12 @@ def tables_of(model_ids) -> list:
 
 
 def seconds_of(table) -> float:
-    """About how long a bake of a table and the measurement of its error take on one core of 2020."""
-    inner, each = (200, 3.5e-4 if getattr(table, "control", False) else 2.2e-4)  # nodes of a chain between its stages
-    return 1.5 * each * table.height * (inner + table.columns.columns)
+    """An estimate of the seconds for a table's bake and the measurement of its error, on one core of 2020."""
+    # Nodes between the pumps' stages, and seconds for a node.
+    inner, seconds = (200, 3.5e-4 if getattr(table, "control", False) else 2.2e-4)
+    return 1.5 * seconds * table.height * (inner + table.columns.columns)
 
 
 def bytes_of(table) -> int:
-    """How much a table's numbers take up in a file; compiled into a shader they are text of three times that."""
+    """Bytes of a table's numbers in a file; compiled into a shader they are text of three times that size."""
     return 16 * table.height * table.columns.columns

@@ -1,12 +1,13 @@
-"""The tables: which exist, where their files are, and reading them with every check before the first use.
+"""The albedo tables: their declarations, their files, and the reading of files, with all checks before the first use.
 
-A file is an RGBA float image between two marker rows. An albedo table has one row per exponent with a_0 .. a_3 in the
-channels. The table of volumes has a block of such rows for every four radii, one in each channel. A marker
-holds (-1, stamp, 0 at the top or 1 at the bottom, format): no albedo is negative, the stamp belongs to the table's
-axes, and the third number tells a shader whether its texture call counts rows from the top or from the bottom.
+A file is an RGBA float image between two marker rows. An albedo table has one row per exponent, with a_0 .. a_3 in the
+channels. The table of volumes has a block of such rows for every four radii, with one radius in each channel. The
+pixels of a marker row are (-1, stamp, 0 at the top or 1 at the bottom, format). No albedo is negative. The stamp is a
+hash of the table's axes. The third number tells a shader whether its texture call counts rows from the top or from the
+bottom.
 
-`TABLES` declares the standard axes. A table may be baked with more or fewer columns and rows, or for a part of the
-exponents: its file then says so in its metadata, and `in_use` gives the table with the axes of its file.
+`TABLES` declares the standard axes. A bake may have more or fewer columns and rows, or a part of the exponents: the
+file's metadata then have the axes, and `in_use` gives the table with the axes of its file.
 """
 import json
 import zlib
@@ -25,19 +26,21 @@ from .axes import ColumnAxis, RowAxis, SineAxis
 FORMAT = 1
 MARK = -1.0  # the first number of a marker
 CHANNELS = 4  # albedos, or radii, in a pixel
-# Metadata: what may differ from the declared axes, the name of that choice, and the measured error.
+# Metadata: the axes that may differ from the declared ones, the name of the resolution, and the measured error.
 AXES, RESOLUTION, ERROR = "plausible:axes", "plausible:resolution", "plausible:error"
-SLACK = 1e-4  # part of an exponent by which it may be beyond a table's end: albedos change by no more than this there
-_MOST = 4096  # columns or rows
+# Part of an exponent by which it may lie beyond a table's end: albedos change by no more than this there.
+SLACK = 1e-4
+_MOST = 4096  # largest number of columns or rows
 PACKAGED = LUTS
 _folder = PACKAGED
 
 
 class TableError(BrdfError):
-    """An albedo table is missing, stale or damaged; the message names the file and what to do.
+    """An albedo table is missing, stale or damaged. The message names the file and the cure.
 
-    `path` is the file. `code` is "missing", "unreadable", "image" (it is none, or cut), "resized", "stale", "albedos",
-    "axes" (others than wanted), "impossible" (axes), or "range", beyond the exponents that it is baked for.
+    `path` is the file. `code` is "missing", "unreadable", "image" (not an image, or cut), "resized", "stale",
+    "albedos" (impossible ones), "axes" (not the expected ones), "impossible" (axes), or "range" (an exponent beyond the
+    table's range).
     """
 
     def __init__(self, message, code, path):
@@ -47,14 +50,14 @@ class TableError(BrdfError):
 
 @dataclass(frozen=True)
 class Table:
-    """One albedo table: the chain of a lobe, plain or controlled, over (cos theta, exponent)."""
+    """One albedo table: the pump stages of a lobe, plain or controlled, over (cos theta, exponent)."""
 
     lobe: str
     control: bool
     columns: ColumnAxis
     rows: RowAxis
 
-    allowed = (0.0, 1.4)
+    allowed = (0.0, 1.4)  # albedos lie above the first number, and at most at the second
 
     @property
     def name(self) -> str:
@@ -67,26 +70,26 @@ class Table:
 
     @property
     def span(self) -> tuple:
-        """The least and the largest exponent that it can be read at."""
+        """(least, largest) exponent of a reading."""
         return self.rows.lowest, self.rows.highest
 
     def told_axes(self) -> dict:
-        """What may differ from the declared axes, as a file's metadata say it."""
+        """The axes that may differ from the declared ones, as a file's metadata have them."""
         return {"columns": self.columns.columns, "rows": self.rows.rows, "lowest": self.rows.lowest,
                 "highest": self.rows.highest}
 
     def with_axes(self, columns, rows, lowest, highest):
-        """This table with other axes. Raises ValueError that names a number that is not allowed."""
+        """This table with other axes. Raises ValueError, with the name, for a number that is not allowed."""
         return replace(self, columns=replace(self.columns, columns=_count("columns", columns, 3)),
                        rows=replace(self.rows, rows=_count("rows", rows, 2), **check_range(lowest, highest)))
 
     def covering(self, lowest: float, highest: float) -> tuple:
-        """The ends of its rows with which it can be read at exponents from `lowest` to `highest`."""
+        """(lowest, highest) of the rows for readings at exponents from `lowest` to `highest`."""
         return lowest, highest
 
     @property
     def stamp(self) -> float:
-        """A number in 0..1 that changes with the axes, the lobe or the format; exact in float32."""
+        """A number in 0..1, a hash of axes, lobe and format; exact in float32."""
         return (zlib.crc32(f"{FORMAT} {self!r}".encode()) % 65521) / 65536.0
 
     @property
@@ -96,11 +99,11 @@ class Table:
 
 @dataclass(frozen=True)
 class VolumeTable:
-    """Volume that a round lump about the origin keeps inside the disk, over (view, exponent, radius R).
+    """Volume inside the disk of a round lump about the origin, over (view, exponent n, radius R).
 
-    The disk's edge is 1 - sin theta away from the lump's centre. Columns are that distance in parts of R, as
-    `ColumnAxis` for n + 1; so are rows. `layers` radii lie from 0 to 1, denser towards 1, where a lump is as round as
-    the disk, and blend linearly.
+    The disk's edge is 1 - sin theta away from the lump's center. Columns are that distance in parts of R, as
+    `ColumnAxis` for the exponent n + 1; rows are for n + 1 as well. `layers` radii lie from 0 to 1, denser towards 1,
+    where a lump is as round as the disk. A reading between two radii is linear.
     """
 
     columns: ColumnAxis
@@ -114,7 +117,7 @@ class VolumeTable:
 
     @property
     def span(self) -> tuple:
-        """The least and the largest exponent that it can be read at; rows are those of n + 1."""
+        """(least, largest) exponent n of a reading; rows are for n + 1."""
         return self.rows.lowest - 1.0, self.rows.highest - (self.rows.highest < MAX_EXPONENT)
 
     def covering(self, lowest: float, highest: float) -> tuple:
@@ -143,19 +146,20 @@ TABLES = {
         VolumeTable(ColumnAxis(72, 1.0, 0.0), RowAxis(40, 0.10, 0.5), 12),
     )
 }
-_loaded = {}
+_loaded = {}  # {name: (table with its file's axes, nodes, metadata)}
 
 
 def _count(name, value, least) -> int:
+    """`value`. Raises ValueError unless it is a whole number from `least` to _MOST."""
     if type(value) is not int or not least <= value <= _MOST:
         raise ValueError(f"{name}: {value!r} is no whole number from {least} to {_MOST}")
     return value
 
 
 def check_range(lowest, highest) -> dict:
-    """The ends of a range of exponents. Raises ValueError for one that is not allowed.
+    """{"lowest", "highest"} of a range of exponents. Raises ParameterError for a range that is not allowed.
 
-    Rows that lie too close would be told apart by rounding alone.
+    A range ends at no less than twice its beginning: rows that are too close would differ by rounding alone.
     """
     ends = float(lowest), float(highest)
     if not MIN_EXPONENT <= ends[0] <= 0.5 * ends[1] <= 0.5 * MAX_EXPONENT:
@@ -166,19 +170,19 @@ def check_range(lowest, highest) -> dict:
 
 
 def folder() -> Path:
-    """The folder that tables are read from and baked to."""
+    """The folder of the tables' files, for reading and for bakes."""
     return _folder
 
 
 def use_folder(path=None):
-    """Read and bake tables in `path`, or in the package's own `luts` again when None."""
+    """Set the folder of the tables' files to `path`, or, if None, to the package's own `luts`."""
     global _folder
     _folder = Path(path) if path else PACKAGED
     _loaded.clear()
 
 
 def forget():
-    """Read the files again at the next use: they have changed."""
+    """Forget the contents of the files, which have changed: the next use reads them again."""
     _loaded.clear()
 
 
@@ -197,21 +201,21 @@ def in_use(name: str):
 
 
 def load(table) -> np.ndarray:
-    """Nodes (rows, columns, 4) of a table, float64. Raises TableError that names the file and the cure."""
-    found, nodes, _ = _file(table.name)
-    if found != table:
-        raise TableError(f"{table.path}: albedo table has the axes {found.told_axes()}, where {table.told_axes()} are "
+    """Nodes (rows, columns, 4) of a table, float64. Raises TableError, with the file and the cure."""
+    stored, nodes, _ = _file(table.name)
+    if stored != table:
+        raise TableError(f"{table.path}: albedo table has the axes {stored.told_axes()}, where {table.told_axes()} are "
                          f"wanted; {_CURE}", "axes", table.path)
     return nodes
 
 
 def resolution(name: str) -> str:
-    """What the file of the table `name` calls its resolution: one of baking/sizes.py."""
+    """The resolution in the file of the table `name`, a key of `sizes.RESOLUTIONS`. Raises TableError as `load`."""
     return _file(name)[2].get(RESOLUTION, "standard")
 
 
 def stated_error(name: str) -> float | None:
-    """Largest relative error between nodes as the table's file states it; None where it does not."""
+    """Largest relative error between nodes as stated in the table's file; None where it states none."""
     words = _file(name)[2].get(ERROR, "").split()
     try:
         return float(words[1])
@@ -223,18 +227,20 @@ _CURE = "run `plausible bake`, or Bake LUTs in the panel"
 
 
 def _file(name):
-    """(table with its file's axes, nodes, metadata), read once."""
+    """(table with its file's axes, nodes, metadata); the file is read once."""
     if name not in _loaded:
         _loaded[name] = _checked(TABLES[name])
     return _loaded[name]
 
 
 def check_file(name: str, path):
-    """Raise TableError, as `load` does, where the file `path` cannot serve as the table `name`."""
+    """Raise TableError, as `load` does, where the file `path` cannot be the table `name`."""
     _checked(TABLES[name], Path(path))
 
 
 def _checked(declared, path=None):
+    """(table with its file's axes, nodes, metadata). Raises TableError as `load`."""
+    # An image that can be read.
     path = path or declared.path
     try:
         image, metadata = exr.read(path)
@@ -245,6 +251,7 @@ def _checked(declared, path=None):
                          path) from None
     except exr.ExrError as error:
         raise TableError(f"{error}; {_CURE}", "image", path) from None
+    # Its shape and markers are those of its axes.
     table = _as_told(declared, metadata, path)
     shape = (table.height + 2, table.columns.columns, 4)
     if image.shape != shape:
@@ -252,6 +259,7 @@ def _checked(declared, path=None):
                          "resized", path)
     if np.any(image[[0, -1]] != marked(table, image[1:-1])[[0, -1]]):
         raise TableError(f"{path}: albedo table is stale: its axes are not this version's; {_CURE}", "stale", path)
+    # Its numbers are albedos.
     nodes = image[1:-1].astype(np.float64)
     if not np.isfinite(nodes).all() or nodes.min() <= table.allowed[0] or nodes.max() > table.allowed[1]:
         raise TableError(f"{path}: albedo table holds impossible albedos; {_CURE}", "albedos", path)
@@ -259,7 +267,7 @@ def _checked(declared, path=None):
 
 
 def _as_told(declared, metadata, path):
-    """A table with the axes that its file's metadata tell; as declared where they tell none."""
+    """A declared table with the axes in its file's metadata, if these have any."""
     if AXES not in metadata:
         return declared
     try:
@@ -269,12 +277,12 @@ def _as_told(declared, metadata, path):
 
 
 def covers(span, exponent: float) -> bool:
-    """Whether an exponent is within a range (least, largest), but for rounding."""
+    """Whether an exponent is within the range `span`, (least, largest), up to SLACK."""
     return span[0] * (1.0 - SLACK) <= exponent <= span[1] * (1.0 + SLACK)
 
 
 def require(name: str, exponents):
-    """The table `name`, in use. Raises TableError where it cannot be read at all of the exponents."""
+    """The table `name`, as `in_use`. Raises TableError where one of the `exponents` is beyond its range."""
     table = in_use(name)
     for exponent in (np.min(exponents), np.max(exponents)) if np.size(exponents) else ():
         if not covers(table.span, exponent):
@@ -288,27 +296,27 @@ def require(name: str, exponents):
 def albedos(lobe: str, control: bool, cos_theta, exponent: float) -> np.ndarray:
     """a_0 .. a_3 read bilinearly, shape (..., 4), for `cos_theta` (...,) and one exponent.
 
-    Raises TableError as `load`, and where the table in use is not baked for the exponent.
+    Raises TableError as `load`, and where the exponent is beyond the range of the table in use.
     """
     table = require(f"{lobe}_{'controlled' if control else 'plain'}", exponent)
     return axes.read(load(table), table.columns, table.rows, cos_theta, exponent)
 
 
 def volumes(mu_view, exponent, radius) -> np.ndarray:
-    """Volume (N,) of round lumps about the origin inside the disk at N·V = `mu_view`; all arguments (N,).
+    """Volume (N,) inside the disk of round lumps about the origin at N·V = `mu_view`; all arguments are (N,).
 
     Raises TableError as `albedos`.
     """
     table = require(VolumeTable.name, exponent)
     nodes = load(table).reshape(-1, table.rows.rows, table.columns.columns, 4)
     distance = disk.room(np.asarray(mu_view))
-    found, radii = np.empty(len(distance)), table.radii
-    # Rows differ in exponent and radius alone, and both are mostly the same for all views.
+    volume, radii = np.empty(len(distance)), table.radii
+    # One reading for each pair of exponent and radius, which are mostly the same for all views.
     for n, r in np.unique(np.stack([exponent, radius], axis=-1), axis=0):
         chosen = (exponent == n) & (radius == r)
         column = np.minimum(distance[chosen] / r, 1.0)
         layer = min(int((1.0 - np.sqrt(1.0 - r)) * (table.layers - 1)), table.layers - 2)
         low, high = (axes.read(nodes[k // CHANNELS], table.columns, table.rows, column, n + 1.0)[..., k % CHANNELS]
                      for k in (layer, layer + 1))
-        found[chosen] = low + (r - radii[layer]) / (radii[layer + 1] - radii[layer]) * (high - low)
-    return found
+        volume[chosen] = low + (r - radii[layer]) / (radii[layer + 1] - radii[layer]) * (high - low)
+    return volume

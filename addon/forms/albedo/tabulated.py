@@ -1,18 +1,18 @@
-"""Albedos read from the tables, as renderers read them: fast for any exponent, within 1e-3 between a table's nodes."""
+"""Albedos read from the tables, as renderers read them: fast for any exponent, with errors up to 1e-3 between nodes."""
 from ...models.disk_model import DiskModel
 from ...models.lobe_model import LobeModel
 from . import tables
 
 
 class TabulatedAlbedos:
-    """The other kind of what albedos.py describes. It raises TableError as `tables.albedos` and `tables.volumes`."""
+    """`Albedos` (addon/models/albedos.py) from the tables. Raises TableError as `tables.albedos`, `tables.volumes`."""
 
     def stages(self, lobe, control, cos_theta, exponent, count):
         """See `Albedos`."""
         return tables.albedos(lobe.id, control, cos_theta, exponent)[..., :count]
 
     def kinks(self, lobe, control, exponent, pumps):
-        """None that matter: what is read bends at every column."""
+        """(): the linear interpolation has a kink at every column, and the formula's own kinks do not matter."""
         return ()
 
     def volumes(self, mu_view, exponent, radius):
@@ -21,7 +21,7 @@ class TabulatedAlbedos:
 
 
 def tables_of(model) -> tuple:
-    """Names of the tables for what a model divides by: albedos, or volumes of lumps; () where it divides by nothing."""
+    """Names of the tables that a model reads, of albedos or volumes that it divides by; () of a model without any."""
     ids = {parameter.id for parameter in model.parameters}
     if isinstance(model, LobeModel) and model.correction == "pumped":
         return tuple(f"{model.lobe.id}_{kind}" for kind in ("plain", "controlled")[:1 + ("control" in ids)])
@@ -31,7 +31,7 @@ def tables_of(model) -> tuple:
 
 
 def readings(model, p: dict) -> list:
-    """[(name of a table, exponent that it is read at)] of a model with resolved parameters."""
+    """[(name of a table, exponent of the reading)] of a model with the resolved parameters `p`."""
     if isinstance(model, DiskModel):
         return [(name, p[rule.exponent]) for name in tables_of(model) if p["renormalize"] for rule in model.lumps]
     if not tables_of(model) or p["pumps"] == 0.0:

@@ -1,4 +1,4 @@
-"""Rows of the table of volumes: what a lump keeps of itself on the disk, four radii a row."""
+"""Rows of the table of volumes: a lump's volume inside the disk, for four radii a row."""
 import numpy as np
 
 from ...models import disk
@@ -6,7 +6,7 @@ from . import axes
 
 
 def provenance(table) -> dict:
-    """What the image says of itself."""
+    """Metadata of the table's image: model, source, grid and quadrature."""
     return {
         "plausible:model": "volume of a round lump about the origin inside the halfway vector disk",
         "plausible:source": "Edwards et al., The halfway vector disk for BRDF modeling, eq. 26 and last section",
@@ -17,8 +17,8 @@ def provenance(table) -> dict:
 
 
 def volume(exponent, radius, columns, order=8) -> np.ndarray:
-    """Volume (N,) of the lump of `radius` where the disk's edge is at `columns` (N,) of the table's axis."""
-    # A lump of no radius sees a straight edge; a small one sees it nearly so.
+    """Volume (N,) of the lump of `radius` where the disk's edge is `columns` (N,) radii from the lump's center."""
+    # For a lump of radius 0 the edge is straight; for a small lump it is nearly straight.
     return disk.volume_at(exponent, max(radius, 1e-4), columns, order)
 
 
@@ -31,7 +31,7 @@ def nodes(table, row) -> np.ndarray:
 
 
 def cell_errors(table, nodes, row, refined=False):
-    """See `bake.cell_errors`; cells lie between radii, too."""
+    """See `bake.cell_errors`. Cells lie between radii, too."""
     block, row_in_block = divmod(row, table.rows.rows)
     exponents = table.rows.exponents()
     image = nodes.reshape(-1, table.rows.rows, table.columns.columns, 4)
@@ -40,11 +40,13 @@ def cell_errors(table, nodes, row, refined=False):
     for channel in range(4):
         layer = 4 * block + channel
         radius = table.radii[layer]
+        # The row's own nodes, by a finer quadrature.
         if refined:
             truth = volume(m - 1.0, radius, table.columns.cosines(m), order=12)
             node_error = max(node_error, float(np.abs(image[block, row_in_block, :, channel] / truth - 1.0).max()))
         if row_in_block + 1 == len(exponents) or layer + 1 == table.layers:
             continue
+        # Half-way to the next row and to the next radius: at the columns, and between them.
         between, middle = float(np.sqrt(m * exponents[row_in_block + 1])), 0.5 * (radius + table.radii[layer + 1])
         corners = table.columns.cosines(between)
         columns = np.concatenate([corners, 0.5 * (corners[1:] + corners[:-1])])

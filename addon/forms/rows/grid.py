@@ -128,7 +128,7 @@ def check(parameter, least: float, most: float) -> tuple:
     numbers = [parameter.check(bound) for bound in (least, most)]
     least, most = (float(np.max(number)) for number in numbers)
     if not least < most:
-        raise ValueError(f"{parameter.id}: a range from {least:g} to {most:g} is empty")
+        raise ValueError(f"{parameter.id}: a range from {least:g} to {most:g} is none")
     return least, most
 
 

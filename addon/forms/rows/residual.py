@@ -57,7 +57,7 @@ def _cut_ring(layout, ring, strongest):
 
 
 def _lit_share(view_slice, ring_edges, cell_edges):
-    """Share of each cell, (rings, turns), whose lights are above the horizon: only there kernels can have its energy."""
+    """Share of each cell (rings, turns) whose lights are above the horizon: only that part can have kernels."""
     within = (np.arange(_PARTS) + 0.5) / _PARTS
     size2 = ring_edges[:-1, None] ** 2 + np.diff(ring_edges**2)[:, None] * within
     phi = cell_edges[:, :-1, None] + np.diff(cell_edges, axis=1)[..., None] * within

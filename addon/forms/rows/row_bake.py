@@ -48,20 +48,20 @@ def _baked(model, values, _, common):
 
 def _row(view_slice: ViewSlice, base: Base) -> LobeRow:
     """The row of a view slice with a fitted base. Its albedo is the formula's."""
-    base_density = np.einsum("jc,jrt->rtc", base.colours, base.densities)
-    lack, excess = np.maximum(view_slice.density - base_density, 0.0), np.maximum(base_density - view_slice.density, 0.0)
+    total = np.einsum("jc,jrt->rtc", base.colours, base.densities)
+    lack, excess = np.maximum(view_slice.density - total, 0.0), np.maximum(total - view_slice.density, 0.0)
     # No closure takes light away: the base's excess over the formula is taken from the whole base.
-    share = view_slice.energy(excess) / np.maximum(view_slice.energy(base_density), 1e-12)
+    share = view_slice.energy(excess) / np.maximum(view_slice.energy(total), 1e-12)
     facets, diffuse = _closures(base, base.colours * (1.0 - np.minimum(share, 1.0)))
-    # The slice's grid is coarse at the horizon, so its sums are not exact. The residual's albedo is the formula's albedo
-    # minus the base's, both by finer quadrature, and the residual's density is scaled to it.
+    # The slice's grid is coarse at the horizon, and its sums are not exact. So the residual's albedo is the formula's
+    # albedo minus the base's, and the residual's density is scaled to it.
     albedo = view_slice.albedo - _base_albedo(view_slice, facets, diffuse)[: len(view_slice.albedo)]
     lack = lack * np.maximum(albedo, 0.0) / np.maximum(view_slice.energy(lack), 1e-12)
     return LobeRow(facets, diffuse, residual.cut(view_slice, lack, max(albedo.max(), 0.0)))
 
 
 def _closures(base, colours):
-    """(`Facets` of one row, color (3,) of its diffuse closure) of a base with the weights `colours` (closures, channels)."""
+    """(`Facets` of a row, color (3,) of its diffuse closure) of a base with weights `colours` (closures, channels)."""
     facets = Facets(np.zeros((FACETS, 2)), np.zeros((FACETS, 2)), np.zeros((FACETS, 3)))
     diffuse = np.zeros(3)
     count = 0

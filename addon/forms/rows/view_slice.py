@@ -17,8 +17,8 @@ class ViewSlice:
     `ring_edges` (RINGS + 1,) are sizes of rings, see `Layout`. These are for the middles of the grid's cells: `light`
     and `half`, unit vectors (RINGS, turns, 3); `lit` (RINGS, turns), whether both are above the horizon; and `density`
     (RINGS, turns, channels), f (N·L) dω_L / dω_H. `area` (RINGS, turns) is the cells' solid angle of half vectors, of
-    both sides together. `albedo` (channels,) is the formula's albedo by finer quadrature. `quadrature()` gives lights
-    (N, 3) and weights (N,), as `FormulaModel.lights`, which resolve bases.
+    both sides together. `albedo` (channels,) is the formula's: on ever finer grids the density's sum converges to it.
+    `quadrature()` gives lights (N, 3) and weights (N,), as `FormulaModel.lights`, which resolve bases.
     """
 
     layout: Layout
@@ -65,14 +65,14 @@ def half_vectors(layout: Layout, size, phi) -> np.ndarray:
 
 
 def _ring_energies(model, p, view, edges, layout):
-    """(energy (N,) of each direction's strongest channel in the rings between N + 1 `edges`, last edge of a lit ring)."""
+    """(energy (N,) of the strongest channel in the rings between N + 1 `edges`, last edge of a lit ring)."""
     light, half, lit, area = _grid(view, edges, 24, layout)
     energy = (_density(model, p, view, light, half, lit).max(axis=-1) * area).sum(axis=1)
     return energy, edges[1:][lit.any(axis=1)].max()
 
 
 def _quantiles(edges, energy, last, width):
-    """RINGS + 1 edges up to `last`: most at equal steps of energy, the others at equal steps of the size's logarithm."""
+    """RINGS + 1 edges up to `last`: most at equal steps of energy, the others at equal steps of a logarithm."""
     before = np.concatenate([[0.0], np.cumsum(energy)])
     if not before[-1] > 0.0:
         return np.linspace(0.0, last, RINGS + 1)
@@ -83,7 +83,7 @@ def _quantiles(edges, energy, last, width):
 
 
 def _grid(view, edges, turns, layout):
-    """(light and half vector (rings, turns, 3), whether lit, solid angle (rings, turns)) of the cells between `edges`."""
+    """(light, half vector (rings, turns, 3), whether lit, solid angle (rings, turns)) of the cells between `edges`."""
     # Half vectors in the middles of the cells, by area, and their lights.
     middle2 = 0.5 * (edges[1:] ** 2 + edges[:-1] ** 2)
     size, phi = np.meshgrid(np.sqrt(middle2), (np.arange(turns) + 0.5) / turns * layout.around, indexing="ij")
