@@ -21,7 +21,7 @@ def create_material(model_id: str, name: str | None = None, lut: str = "compiled
     "principled", which is coarse and runs anywhere. `lut` is an option of "osl": "compiled" (the albedo tables are
     stored in the material) or "file" (the shader reads them from their image files).
 
-    Raises ValueError for an unknown model, backend, option or parameter and for a value out of range, brdf.TableError if
+    Raises ValueError for an unknown model, backend, option or parameter, or a value out of range, brdf.TableError if
     an albedo table is missing, outdated, damaged or not baked for the exponent, OslError if this Blender has no OSL.
     """
     # Check the values for this model and backend.

@@ -124,7 +124,7 @@ def bake(model, parameters: dict, driven: dict | None = None, tell=None) -> Para
 def check(parameter, least: float, most: float) -> tuple:
     """(least, most) as floats. Raises ValueError where a parameter cannot be driven over this range."""
     if not parameter.can_be_driven:
-        raise ValueError(f"{parameter.id}: a model cannot be baked over ranges of it")
+        raise ValueError(f"{parameter.id}: it has no range that a bake could cover")
     numbers = [parameter.check(bound) for bound in (least, most)]
     least, most = (float(np.max(number)) for number in numbers)
     if not least < most:
