@@ -18,15 +18,15 @@ def sun_bound(exponent):
 class Sun:
     """A sphere of `material` under a sun of no size at each angle of `suns`, against what the formula says.
 
-    `pictures` are averages of SUN_SAMPLES samples. Each is made of four parts of other seeds, and their scatter is the
+    `pictures` are averages of `samples` samples. Each is made of four parts of other seeds, and their scatter is the
     noise; where it is not below `total_noise` there are more pictures. One scene serves all suns, and only the pixels
     of the highlight are rendered at length; `outside` is the rest of the light, as a part of the whole.
     """
 
     PARTS, PICTURES = 4, 4
 
-    def __init__(self, material, evaluate, suns, resolution, total_noise=TOTAL_NOISE):
-        self.wanted = 0.7 * total_noise
+    def __init__(self, material, evaluate, suns, resolution, total_noise=TOTAL_NOISE, samples=SUN_SAMPLES):
+        self.wanted, self.samples = 0.7 * total_noise, samples
         self.pictures, self.references, self.covered, self.ratios, self.outside = [], [], [], [], []
         with room.Room(material, room.BALL, resolution, exact_pixels=True) as place:
             place.look_from((0.0, 0.0, 1.0), 2.0 * (1.0 + 1.0 / resolution))
@@ -45,7 +45,7 @@ class Sun:
         select(place, bright)
         ratios, pictures = [], []
         while len(pictures) < self.PICTURES:
-            parts = [place.render(SUN_SAMPLES // self.PARTS, len(ratios) + i) for i in range(self.PARTS)]
+            parts = [place.render(self.samples // self.PARTS, len(ratios) + i) for i in range(self.PARTS)]
             ratios += [verify.total_ratio(part, reference, bright) for part in parts]
             pictures.append(np.mean(parts, axis=0))
             if self._noise(ratios) <= self.wanted:
