@@ -11,7 +11,7 @@ from optics.furnace import FURNACE_BOUND, FURNACE_NOISE, SIGMAS, albedo_of, asse
 from optics.lamp import total_under_the_lamp
 from optics.plane import plane
 from optics.points import POINT_BOUND, POINT_NOISE, directions_of
-from optics.sun import TOTAL_BOUND, TOTAL_NOISE, Sun, ball
+from optics.sun import SUN_SAMPLES, TOTAL_BOUND, TOTAL_NOISE, Sun, ball
 
 from addon import brdf, create_material, measure
 from addon.measure import comparison, scene
@@ -88,9 +88,9 @@ def sphere_of(model, given, suns):
     resolution = 24 if n <= 5.0 else 40 if n <= 50.0 else 100
     if given.get("radius_u", 1.0) < 0.5:
         resolution = 100
-    enough = TOTAL_NOISE if has_total(model, given) else np.inf
+    total_noise, samples = (TOTAL_NOISE, SUN_SAMPLES) if has_total(model, given) else (np.inf, 2 * SUN_SAMPLES)
     return Sun(create_material(model, **given), lambda view, light: brdf.MODELS[model].evaluate(view, light, **given),
-               suns, resolution, enough)
+               suns, resolution, total_noise, samples)
 
 
 def has_total(model, given):

@@ -58,7 +58,7 @@ CASES = [
     ("blinn_fresnel", {"base_color": ORANGE, "diffuse_color": (0.0, 0.3, 0.1)}, None,
      {"exponent": 57.0, "fresnel_type": "schlick"}, 2.5e-3),
     ("he_torrance", {"sigma": 0.028}, {"sigma": (0.02, 0.04)}, {}, 6e-3),  # the most of it is its mirror spike
-    ("cook_torrance", {"fresnel_type": 2}, None, {"base_color": (0.9, 0.5, 0.3), "roughness": 0.3}, 0.0),
+    ("blinn_fresnel", {"fresnel_type": 2}, None, {"base_color": (0.9, 0.5, 0.3), "exponent": 57.0}, 0.0),
     ("blinn_fresnel", {"ior": (0.3, 1.2, 2.1)}, {"ior": (0.1, 2.5)}, {"fresnel_type": "conductor"}, 8e-3),
 ]
 

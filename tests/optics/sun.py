@@ -18,7 +18,7 @@ def sun_bound(exponent):
 class Sun:
     """A sphere of `material` under a sun of no size at each angle of `suns` (degrees), compared with the formula.
 
-    A picture is the average of SUN_SAMPLES samples, of PARTS renders with different seeds. The renders' scatter gives
+    A picture is the average of `samples` samples, of PARTS renders with different seeds. The renders' scatter gives
     the noise. Up to PICTURES pictures are rendered, until the noise of the total is below 0.7 `total_noise`. One scene
     serves all suns. Only the highlight's pixels are rendered with all samples; `outside` is the light of the others, as
     a part of the whole.
@@ -26,8 +26,8 @@ class Sun:
 
     PARTS, PICTURES = 4, 4
 
-    def __init__(self, material, evaluate, suns, resolution, total_noise=TOTAL_NOISE):
-        self.wanted = 0.7 * total_noise
+    def __init__(self, material, evaluate, suns, resolution, total_noise=TOTAL_NOISE, samples=SUN_SAMPLES):
+        self.wanted, self.samples = 0.7 * total_noise, samples
         self.pictures, self.references, self.covered, self.ratios, self.outside = [], [], [], [], []
         with scene.MeasuringScene(material, scene.BALL, resolution, exact_pixels=True) as stage:
             stage.look_from((0.0, 0.0, 1.0), 2.0 * (1.0 + 1.0 / resolution))
@@ -49,7 +49,7 @@ class Sun:
         # The bright pixels get pictures until the noise is low.
         ratios, pictures = [], []
         while len(pictures) < self.PICTURES:
-            renders = [stage.render(SUN_SAMPLES // self.PARTS, len(ratios) + i) for i in range(self.PARTS)]
+            renders = [stage.render(self.samples // self.PARTS, len(ratios) + i) for i in range(self.PARTS)]
             ratios += [measure.total_ratio(render, reference, bright) for render in renders]
             pictures.append(np.mean(renders, axis=0))
             if self._noise(ratios) <= self.wanted:
