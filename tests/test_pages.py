@@ -123,7 +123,7 @@ def test_limits_are_readmes():
     assert limits.entries(text)[:2] == ["Cycles only.", "A lamp of no size one and two."]
     assert limits.limits_of(MODELS["ndf_map"], text) == ["Models that are baked one and two.", "NDF maps one and two."]
     for wrong in (text.replace("NDF maps", "Maps"), text + "\n- NDF maps again."):
-        with pytest.raises(ValueError, match=r"'NDF maps'.*addon/pages/limits\.py"):
+        with pytest.raises(ValueError, match=r"'NDF maps'.*addon/dev/pages/limits\.py"):
             limits.limits_of(MODELS["phong"], wrong)
     with pytest.raises(ValueError, match="no list under '## Limits'"):
         limits.entries("# Name\n")
