@@ -204,7 +204,7 @@ def test_material_renders_its_albedo_and_needs_no_extension_afterwards(package, 
 OWN_TABLES = """
 addon = install(sys.argv[1])
 from bl_ext.user_default.plausible_brdf.addon.blender.host import settings, table_folder, table_job
-from bl_ext.user_default.plausible_brdf.addon.brdf import tables
+from bl_ext.user_default.plausible_brdf.addon.forms.albedo import tables
 packaged = tables.folder()
 table_folder.use_bake_folder()
 mine = settings.granted_folder("luts")
@@ -235,7 +235,7 @@ CHOSEN = """
 import pathlib, shutil
 addon = install(sys.argv[1])
 from bl_ext.user_default.plausible_brdf.addon.blender.host import table_folder
-from bl_ext.user_default.plausible_brdf.addon.brdf import tables
+from bl_ext.user_default.plausible_brdf.addon.forms.albedo import tables
 preferences = bpy.context.preferences.addons["bl_ext.user_default.plausible_brdf"].preferences
 packaged, here = tables.folder(), pathlib.Path("mine").absolute()
 preferences.lut_folder = str(here)

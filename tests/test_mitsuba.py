@@ -206,17 +206,18 @@ def by_mitsuba(bpy, folder):
 def by_cycles(bpy):
     """{(model, scene): pictures}."""
     from addon import create_material
+    from addon.measure.scene import BALL, SUN_ENERGY, MeasuringScene
 
     found = {}
     for model, parameters in MATERIALS.items():
         material = create_material(model, **parameters)
         for scene in SCENES:
-            with scene.MeasuringScene(material, scene.BALL, SIZE) as place:
+            with MeasuringScene(material, BALL, SIZE) as place:
                 place.scene.cycles.pixel_filter_type = "BOX"
                 place.look_from((0.0, 0.0, 1.0), WIDTH)
                 place.sky(float(scene in ("furnace", "hdri")), hdri(bpy) if scene == "hdri" else None)
                 if scene == "sun":
-                    place.shine("SUN", SLANT, energy=scene.SUN_ENERGY, angle=0.0)
+                    place.shine("SUN", SLANT, energy=SUN_ENERGY, angle=0.0)
                 if scene == "area":  # a square's radiance is its power over pi and its area
                     power = np.pi * AREA["size"] ** 2 * AREA_RADIANCE
                     place.shine("AREA", SLANT, shape="SQUARE", energy=power, **AREA)
