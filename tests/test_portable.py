@@ -49,9 +49,9 @@ os._exit(0)
 _RENDER = """
 import os, sys
 sys.path.insert(0, sys.argv[1])
-import traveller
+import probe
 for blend, pixels in zip(sys.argv[2::2], sys.argv[3::2]):
-    found = traveller.main({"blend": blend, "pixels": pixels, "result": pixels + ".json", "frame": None, "size": 96,
+    found = probe.main({"blend": blend, "pixels": pixels, "result": pixels + ".json", "frame": None, "size": 96,
                             "samples": 8, "alone": True})
     assert "error" not in found, found
 sys.stdout.flush()
@@ -72,7 +72,7 @@ def run(script, *arguments):
 def pictures(folder, files):
     """What each of the .blend `files` renders in its place."""
     names = [str(folder / f"{i}.npy") for i in range(len(files))]
-    run(_RENDER, ROOT / "addon" / "verify", *(x for pair in zip(files, names, strict=True) for x in pair))
+    run(_RENDER, ROOT / "addon" / "portability", *(x for pair in zip(files, names, strict=True) for x in pair))
     return [np.load(name) for name in names]
 
 
