@@ -71,8 +71,7 @@ SUNS = [("ward", {}, 0.01, TOTAL_BOUND), ("he_torrance", {}, 0.01, TOTAL_BOUND),
 @pytest.mark.parametrize("model, given, bound, total", SUNS, ids=name_of)
 def test_sphere_under_a_sun(model, given, bound, total):
     report = Sun(create_material(model, **given), lambda view, light: brdf.MODELS[model].evaluate(view, light, **given),
-                 (0.0, 40.0, 65.0, 80.0), 40, TOTAL_NOISE * total / TOTAL_BOUND,
-                 2 * SUN_SAMPLES if bound == KINKED else SUN_SAMPLES)
+                 (0.0, 40.0, 65.0, 80.0), 40, TOTAL_NOISE * total / TOTAL_BOUND, 2 * SUN_SAMPLES)
     assert report.l1().max() <= bound, report
     assert (np.abs(report.total()) <= total + SIGMAS * report.noise()).all(), report
 
