@@ -229,10 +229,10 @@ def test_ball_sees_what_the_formula_sees():
 
 
 PLANTED = {
-    "a wrong lump": (r"(float unit_lump\([^}]*?)\(n \+ 1\.0\)", r"\1(n + 1.3)"),
-    "a wrong measure": (r"(s\.stretch = view\[2\] \* view\[2\] / \()4\.0", r"\g<1>3.6"),
-    "bells too bright": (r"return b\.weight \* microfacet", "return 1.02 * b.weight * microfacet"),
-    "narrow bells": (r"(float lump_deviation\(float n\) \{ return )", r"\g<1>0.9 * "),
+    "a wrong lump": ("SPOILT_LUMP(value)", "(value) * (n + 1.3) / (n + 1.0)"),
+    "a wrong measure": ("SPOILT_STRETCH(value)", "(value) * (4.0 / 3.6)"),
+    "bells too bright": ("SPOILT_BELL(weight)", "1.02 * (weight)"),
+    "narrow bells": ("SPOILT_DEVIATION(value)", "0.9 * (value)"),
 }
 
 

@@ -151,7 +151,7 @@ float bells_value(Bells b, vector light, vector h)
 
 closure color bell_closure(Bell b, Frame f)
 {
-    return b.weight * microfacet("beckmann", normalize(to_world(f, b.facet)), normalize(to_world(f, b.along)),
+    return SPOILT_BELL(b.weight) * microfacet("beckmann", normalize(to_world(f, b.facet)), normalize(to_world(f, b.along)),
                                  b.alpha_x, b.alpha_y, 0.0, 0);
 }
 

@@ -74,7 +74,7 @@ float room_at(float mu) { return mu * mu / (1.0 + sqrt(max(1.0 - mu * mu, 0.0)))
 float disk_room(Disk d) { return room_at(d.frame.view[2]); }
 
 // The standard deviation of a lump along either axis, in parts of its radius.
-float lump_deviation(float n) { return inversesqrt(2.0 * (n + 2.0)); }
+float lump_deviation(float n) { return SPOILT_DEVIATION(inversesqrt(2.0 * (n + 2.0))); }
 
 // The coordinates of a point h about the lump's center, in units of the radii; and the point of coordinates x, y.
 vector lump_at(Lump p, vector h)
@@ -89,7 +89,7 @@ vector lump_point(Lump p, float x, float y) { return p.centre + x * p.radii[0] *
 float unit_lump(vector at, float n)
 {
     float r2 = dot(at, at);
-    return r2 < 1.0 ? (n + 1.0) / M_PI * power_of_rest(r2, n) : 0.0;
+    return r2 < 1.0 ? SPOILT_LUMP((n + 1.0) / M_PI * power_of_rest(r2, n)) : 0.0;
 }
 
 // The map about the point `h` of the disk. Returns whether its light is above the horizon.
@@ -115,7 +115,7 @@ int disk_spot(Disk d, vector h, output Spot s)
     s.light = 2.0 * along * s.h - view;
     if (along <= 0.0 || s.light[2] <= 0.0)
         return 0;
-    s.stretch = view[2] * view[2] / (4.0 * along * s.h[2] * s.h[2] * s.h[2]);  // eq. 19 over 4 (L.H)
+    s.stretch = SPOILT_STRETCH(view[2] * view[2] / (4.0 * along * s.h[2] * s.h[2] * s.h[2]));  // eq. 19 over 4 (L.H)
     return 1;
 }
 

@@ -67,6 +67,10 @@ HOOKS = {
     "SPOILT_KERNEL(weight)": "weight",  # weight of a kernel
     "SPOILT_BASE(weight)": "weight",  # weight of a base lobe
     "SPOILT_LARGER(at_view, at_light)": "max(at_view, at_light)",  # the albedo that a pump's stage divides by
+    "SPOILT_LUMP(value)": "value",  # density of a lump of exponent n
+    "SPOILT_STRETCH(value)": "value",  # area on the disk per solid angle of lights, by the scaling projection
+    "SPOILT_BELL(weight)": "weight",  # weight of a bell
+    "SPOILT_DEVIATION(value)": "value",  # standard deviation of a lump
     "SPOILT_U(u)": "u",  # uniform numbers of a kernel
     "SPOILT_V(v)": "v",
     "FIRST_NUMBER(place, apart)": "hashnoise(place, apart)",  # a hit's first uniform number
