@@ -21,7 +21,10 @@ class TabulatedAlbedos:
 
 
 def tables_of(model) -> tuple:
-    """Names of the tables that a model reads, of albedos or volumes that it divides by; () of a model without any."""
+    """Names of the tables that a model reads, of albedos or volumes that it divides by; () of a model without any.
+
+    Of a pumped lobe: the plain table, and then the controlled one if it has a `control`.
+    """
     ids = {parameter.id for parameter in model.parameters}
     if isinstance(model, LobeModel) and model.correction == "pumped":
         return tuple(f"{model.lobe.id}_{kind}" for kind in ("plain", "controlled")[:1 + ("control" in ids)])
@@ -32,11 +35,12 @@ def tables_of(model) -> tuple:
 
 def readings(model, p: dict) -> list:
     """[(name of a table, exponent of the reading)] of a model with the resolved parameters `p`."""
+    names = tables_of(model)
     if isinstance(model, DiskModel):
-        return [(name, p[rule.exponent]) for name in tables_of(model) if p["renormalize"] for rule in model.lumps]
-    if not tables_of(model) or p["pumps"] == 0.0:
+        return [(name, p[rule.exponent]) for name in names if p["renormalize"] for rule in model.lumps]
+    if not names or p["pumps"] == 0.0:
         return []
-    return [(f"{model.lobe.id}_{'controlled' if p.get('control') else 'plain'}", p["exponent"])]
+    return [(names[bool(p.get("control"))], p["exponent"])]
 
 
 TABULATED = TabulatedAlbedos()
